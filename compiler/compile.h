@@ -1,0 +1,162 @@
+// The compiler's public interface: SPIR-V and pipeline state in, kernels out. Knows no Vulkan handle and no LLVM; tools and fuzzers need
+// no device.
+//
+// Order of work for a graphics pipeline: spirv::parse each stage -> kernels/ build vertex and fragment kernel (the fragment kernel first: it
+// tells which varyings are read) -> passes/ -> jit/ or eval/, as PINEDA_MODE says.
+//
+// Threads: every function may be called from several threads at once; the same kernel (by its IR's hash) is compiled once.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan_core.h>
+
+#include "base/abi.h"
+#include "compiler/error.h"
+#include "compiler/ir/ir.h"
+#include "compiler/spirv/translate.h"
+
+namespace pineda::compiler {
+
+// ---- pipeline layout ------------------------------------------------------------------------------------------------------
+
+struct DescriptorBinding {
+  uint32_t set, binding;
+  VkDescriptorType type;
+  uint32_t count;
+  uint32_t offset_bytes;      // in the set's memory, of array element 0
+  uint32_t stride_bytes;      // between array elements: sizeof(BufferDescriptor) or sizeof(ImageDescriptor) ...
+  uint32_t dynamic_index;     // of element 0 in DrawContext::dynamic_offsets, for *_DYNAMIC types
+};
+
+struct PipelineLayout {
+  std::vector<DescriptorBinding> bindings;
+  uint32_t push_constant_bytes = 0;
+};
+
+// ---- state that selects code ----------------------------------------------------------------------------------------------
+// Only what changes the code is here. Viewport, scissor, blend constants, stencil masks and references are data (DrawContext).
+
+struct VertexAttribute {
+  uint32_t location, binding;
+  VkFormat format;
+  uint32_t offset_bytes;
+  bool operator==(const VertexAttribute&) const = default;
+};
+
+struct VertexBinding {
+  uint32_t binding, stride_bytes;
+  VkVertexInputRate rate;
+  bool operator==(const VertexBinding&) const = default;
+};
+
+struct VertexState {
+  std::vector<VertexAttribute> attributes;
+  std::vector<VertexBinding> bindings;
+};
+
+struct BlendState {                 // of one colour attachment
+  VkFormat format = VK_FORMAT_UNDEFINED;  // UNDEFINED: unused attachment
+  bool blend_enable = false;
+  VkBlendFactor src_color = VK_BLEND_FACTOR_ONE, dst_color = VK_BLEND_FACTOR_ZERO;
+  VkBlendOp color_op = VK_BLEND_OP_ADD;
+  VkBlendFactor src_alpha = VK_BLEND_FACTOR_ONE, dst_alpha = VK_BLEND_FACTOR_ZERO;
+  VkBlendOp alpha_op = VK_BLEND_OP_ADD;
+  VkColorComponentFlags write_mask = 0xf;
+};
+
+struct DepthState {
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  bool test_enable = false, write_enable = false;
+  VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
+};
+
+struct FragmentState {
+  std::array<BlendState, kMaxColorAttachments> color{};
+  uint32_t color_count = 0;
+  DepthState depth;
+  bool depth_clamp = false;
+};
+
+// What is bound to one image use: code depends on it, so a pipeline that samples is compiled when a draw first shows it.
+struct TextureState {
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkImageViewType view_type = VK_IMAGE_VIEW_TYPE_2D;
+  std::array<uint8_t, 4> swizzle{0, 1, 2, 3};  // source component of each result; 4 = zero, 5 = one
+  bool single_level = false;                    // the view has one level: no LOD is computed
+  VkFilter mag_filter = VK_FILTER_NEAREST, min_filter = VK_FILTER_NEAREST;
+  VkSamplerMipmapMode mipmap_mode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  std::array<VkSamplerAddressMode, 3> address{};
+  VkBorderColor border = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK;  // value in the descriptor; here for int/float
+  bool unnormalized = false;
+  bool compare_enable = false;
+  VkCompareOp compare = VK_COMPARE_OP_NEVER;
+  bool operator==(const TextureState&) const = default;
+};
+
+struct TextureUse {  // key: which descriptor, what is bound
+  spirv::ImageRef image, sampler;
+  TextureState state;
+  bool operator==(const TextureUse&) const = default;
+};
+
+// ---- kernels --------------------------------------------------------------------------------------------------------------
+
+// Executable code and what it was made from. Immutable, shared between pipelines.
+class Kernel {
+ public:
+  virtual ~Kernel() = default;
+  KernelHandle handle;
+  ir::Kernel ir;           // after all passes: what the handle runs
+};
+using KernelPtr = std::shared_ptr<const Kernel>;
+
+struct VaryingSlot {       // a component that the fragment kernel reads from the vertex record
+  uint32_t location, component;
+  bool operator==(const VaryingSlot&) const = default;
+};
+
+struct GraphicsSource {
+  const spirv::Module* vertex = nullptr;
+  const spirv::Module* fragment = nullptr;  // null: depth only
+  const PipelineLayout* layout = nullptr;
+  VertexState vertex_input;
+  FragmentState state;
+  std::span<const TextureUse> textures;     // of both stages; every spirv::ImageUse that samples must have one
+  std::string name;                         // for dumps
+};
+
+struct GraphicsKernels {
+  KernelPtr vertex;
+  KernelPtr fragment;        // never null: without a fragment shader it tests and writes depth
+  uint32_t vertex_slots = 4; // components per vertex record: 4 (position) + varyings
+  bool early_depth = true;   // the test runs before the shader, so raster may reject by Hi-Z
+  bool reads_color = false;  // some attachment's old value matters (blend or partial write mask)
+  bool opaque = false;       // a fully covered block replaces every attachment's value, nothing can discard
+  bool has_side_effects = false;  // storage writes: nothing may be left out
+};
+
+struct ComputeSource {
+  const spirv::Module* module = nullptr;
+  const PipelineLayout* layout = nullptr;
+  std::span<const TextureUse> textures;
+  std::string name;
+};
+
+struct ComputeKernel {
+  KernelPtr kernel;
+  std::array<uint32_t, 3> local_size{};
+  uint32_t shared_memory_bytes = 0;
+};
+
+Result<GraphicsKernels> compile_graphics(const GraphicsSource& source);
+Result<ComputeKernel> compile_compute(const ComputeSource& source);
+
+// Runs passes and back end on a finished kernel (tests, internal kernels).
+Result<KernelPtr> compile_kernel(ir::Kernel kernel);
+
+}  // namespace pineda::compiler

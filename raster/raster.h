@@ -1,0 +1,129 @@
+// The rasterizer's public interface: render passes, dispatches, transfers. It receives resolved pointers and kernels (base/abi.h), never objects
+// whose lifetime an application controls, and knows neither LLVM nor Vulkan handles.
+//
+// A pass runs in two phases on the pool: geometry (batches of primitives -> vertex kernel -> clip, cull, setup -> bins), then tiles (each tile:
+// load or clear, triangles in API order -> coverage -> fragment kernel, store). When the bins outgrow their budget the pass is flushed in
+// between, which no bit shows because attachments keep their own precision in a tile.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <vulkan/vulkan_core.h>
+
+#include "base/abi.h"
+#include "raster/thread_pool.h"
+
+namespace pineda::raster {
+
+// ---- render passes --------------------------------------------------------------------------------------------------------
+
+// One attachment's memory: level and layer are already chosen; texel (x, y) is at address + y * row_pitch_bytes + x * texel bytes.
+struct Attachment {
+  uint8_t* address = nullptr;     // null: unused
+  uint32_t row_pitch_bytes = 0;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
+  VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE;
+  VkClearValue clear{};
+};
+
+struct PassDesc {
+  VkExtent2D extent{};            // of the framebuffer
+  VkRect2D render_area{};         // clears, loads and stores stay inside it
+  std::array<Attachment, kMaxColorAttachments> color{};
+  uint32_t color_count = 0;
+  Attachment depth;
+};
+
+struct IndexBuffer {
+  const uint8_t* address = nullptr;  // of index 0; null: not indexed
+  uint64_t size_bytes = 0;           // indices past the end read as 0
+  VkIndexType type = VK_INDEX_TYPE_UINT16;
+};
+
+struct DrawPacket {
+  // kernels
+  KernelHandle vertex, fragment;
+  uint32_t vertex_slots = 4;        // GraphicsKernels::vertex_slots
+  bool early_depth = false, opaque = false, has_side_effects = false;
+  const DrawContext* context = nullptr;  // must live until Pass::end returns
+  // input assembly
+  VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  bool primitive_restart = false;
+  IndexBuffer index;
+  uint32_t first = 0;               // firstVertex or firstIndex
+  uint32_t count = 0;               // vertices or indices
+  int32_t vertex_offset = 0;        // indexed draws
+  uint32_t first_instance = 0, instance_count = 1;
+  // rasterization
+  VkViewport viewport{};
+  VkRect2D scissor{};
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;
+  VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  bool depth_clamp = false;
+  bool depth_bias = false;
+  float depth_bias_constant = 0, depth_bias_clamp = 0, depth_bias_slope = 0;
+  // depth, for Hi-Z only: the kernel does the test itself
+  bool depth_test = false, depth_write = false;
+  VkCompareOp depth_compare = VK_COMPARE_OP_ALWAYS;
+};
+
+struct PassStatistics {
+  uint64_t draws, vertices_shaded, triangles_in, triangles_clipped, triangles_culled, triangles_binned;
+  uint64_t bin_entries, blocks_shaded, blocks_hi_z_rejected, tiles_touched, tiles_filled, tiles_untouched, flushes;
+};
+
+class Pass {
+ public:
+  Pass(ThreadPool& pool, const PassDesc& desc);
+  ~Pass();
+  // Appends a draw; geometry may start at once or later. The packet is copied, what it points to is not.
+  void draw(const DrawPacket& packet);
+  // vkCmdClearAttachments: rectangles of one attachment, in order with the draws. color_index or depth (color_index == kDepth).
+  static constexpr uint32_t kDepth = ~0u;
+  void clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects);
+  // Runs what is pending; attachments are in memory afterwards.
+  PassStatistics end();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// ---- compute --------------------------------------------------------------------------------------------------------------
+
+struct DispatchPacket {
+  KernelHandle kernel;
+  const DrawContext* context = nullptr;
+  std::array<uint32_t, 3> base{}, count{};   // workgroups
+  std::array<uint32_t, 3> local_size{1, 1, 1};
+  uint32_t shared_memory_bytes = 0;
+};
+void dispatch(ThreadPool& pool, const DispatchPacket& packet);
+
+// ---- transfers: bytes only ------------------------------------------------------------------------------------------------
+
+// rows x row_bytes from src to dst, for each of `slices`. Source and destination do not overlap.
+struct CopyRows {
+  const uint8_t* src;
+  uint8_t* dst;
+  uint64_t row_bytes, rows, slices;
+  uint64_t src_row_pitch, dst_row_pitch, src_slice_pitch, dst_slice_pitch;  // bytes
+};
+void copy_rows(ThreadPool& pool, const CopyRows& copy);
+
+// Fills rows with a repeated pattern of 1 to 16 bytes.
+struct FillRows {
+  uint8_t* dst;
+  uint64_t row_bytes, rows, slices, row_pitch, slice_pitch;
+  std::array<uint8_t, 16> pattern;
+  uint32_t pattern_bytes;
+};
+void fill_rows(ThreadPool& pool, const FillRows& fill);
+
+}  // namespace pineda::raster
