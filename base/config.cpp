@@ -1,0 +1,115 @@
+#include "base/config.h"
+
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace pineda {
+namespace {
+
+struct FlagRow {
+  const char* name;
+  DebugFlag flag;
+  const char* help;
+};
+
+// The one table of PINEDA_DEBUG flags: parsing and help derive from it.
+constexpr FlagRow kFlags[] = {
+    {"ir", kDebugIr, "print each kernel's IR after all passes"},
+    {"llvm", kDebugLlvm, "print each kernel's LLVM IR"},
+    {"asm", kDebugAsm, "print each kernel's machine code"},
+    {"time", kDebugTime, "print how long each kernel took to compile"},
+    {"api", kDebugApi, "print messages of level info too"},
+    {"stats", kDebugStats, "print statistics of each render pass"},
+    {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},
+    {"nofastclear", kDebugNoFastClear, "no clears as tile state (same bits)"},
+    {"noopaque", kDebugNoOpaque, "opaque covers drop nothing (same bits)"},
+};
+
+std::string text(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+void bad_value(const char* name, std::string_view value, const char* expected) {
+  std::fprintf(stderr, "pineda: %s=%.*s is ignored: expected %s\n", name, static_cast<int>(value.size()), value.data(), expected);
+}
+
+uint32_t number(const char* name, uint32_t max) {
+  std::string value = text(name);
+  if (value.empty()) return 0;
+  uint32_t n = 0;
+  auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), n);
+  if (error == std::errc() && end == value.data() + value.size() && n >= 1 && n <= max) return n;
+  bad_value(name, value, ("a number from 1 to " + std::to_string(max)).c_str());
+  return 0;
+}
+
+// Index of the variable's value in `names`; 0, the default, when it is unset or wrong.
+template <size_t N>
+size_t choice(const char* name, const char* const (&names)[N], const char* expected) {
+  std::string value = text(name);
+  if (value.empty()) return 0;
+  for (size_t i = 0; i < N; ++i) {
+    if (value == names[i]) return i;
+  }
+  bad_value(name, value, expected);
+  return 0;
+}
+
+void print_help() {
+  std::fprintf(stderr,
+               "Pineda's environment:\n"
+               "  PINEDA_THREADS=N                        threads, the caller's included (default: one per core)\n"
+               "  PINEDA_ISA=sse42|avx2|avx512            instruction set (default: the best that the CPU has; same bits)\n"
+               "  PINEDA_MODE=jit|f32|f64|check           machine code; evaluator; evaluator in double precision; both, compared\n"
+               "  PINEDA_PRECISION=fast|default|exact     polynomials of the transcendental functions\n"
+               "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
+               "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
+               "  PINEDA_DEBUG=flag,flag...\n");
+  for (const FlagRow& row : kFlags) std::fprintf(stderr, "      %-12s %s\n", row.name, row.help);
+}
+
+uint32_t parse_debug(std::string_view list) {
+  uint32_t flags = 0;
+  while (!list.empty()) {
+    size_t comma = list.find(',');
+    std::string_view word = list.substr(0, comma);
+    list = comma == std::string_view::npos ? "" : list.substr(comma + 1);
+    if (word.empty()) continue;
+    bool known = false;
+    for (const FlagRow& row : kFlags) {
+      if (word == row.name) flags |= row.flag, known = true;
+    }
+    if (word == "help") {
+      print_help();
+    } else if (!known) {
+      bad_value("PINEDA_DEBUG", word, "a flag from PINEDA_DEBUG=help");
+    }
+  }
+  return flags;
+}
+
+Config read_environment() {
+  Config c;
+  c.threads = number("PINEDA_THREADS", 256);
+  c.isa = text("PINEDA_ISA");
+  c.mode = static_cast<Mode>(choice("PINEDA_MODE", {"jit", "f32", "f64", "check"}, "jit, f32, f64 or check"));
+  constexpr Precision kPrecisions[] = {Precision::kDefault, Precision::kFast, Precision::kExact};
+  c.precision = kPrecisions[choice("PINEDA_PRECISION", {"default", "fast", "exact"}, "fast, default or exact")];
+  constexpr uint32_t kTiles[] = {0, 16, 32, 64};
+  c.tile_px = kTiles[choice("PINEDA_TILE", {"", "16", "32", "64"}, "16, 32 or 64")];
+  c.debug = parse_debug(text("PINEDA_DEBUG"));
+  c.debug_dir = text("PINEDA_DEBUG_DIR");
+  return c;
+}
+
+}  // namespace
+
+const Config& config() {
+  static const Config kConfig = read_environment();
+  return kConfig;
+}
+
+}  // namespace pineda
