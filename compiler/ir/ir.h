@@ -84,6 +84,8 @@ inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whateve
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
 
 inline constexpr uint32_t kMaxOperands = 5;
+inline constexpr uint32_t kMaxRegionDepth = 256;      // of nested Ifs and Loops: passes and back ends recurse over them
+inline constexpr uint64_t kMaxLocalElements = 65536;  // of one Local
 
 struct Inst {
   Op op = Op::kInvalid;

@@ -1,0 +1,46 @@
+#include "compiler/ir/ir.h"
+
+#include <iterator>
+
+namespace pineda::ir {
+namespace {
+
+constexpr OpInfo kOps[] = {
+    {"invalid", 0, TypeRule::kAny, Effect::kPure},
+#define PINEDA_IR_OP(name, text, operands, rule, effect) {text, operands, TypeRule::k##rule, Effect::k##effect},
+#include "compiler/ir/ops.inc"
+#undef PINEDA_IR_OP
+};
+static_assert(std::size(kOps) == static_cast<size_t>(Op::kCount));
+
+}  // namespace
+
+const OpInfo& op_info(Op op) { return kOps[op < Op::kCount ? static_cast<size_t>(op) : 0]; }
+
+const char* type_name(Type t) {
+  switch (t) {
+    case Type::kVoid:
+      return "void";
+    case Type::kB1:
+      return "b1";
+    case Type::kI8:
+      return "i8";
+    case Type::kI16:
+      return "i16";
+    case Type::kI32:
+      return "i32";
+    case Type::kI64:
+      return "i64";
+    case Type::kF16:
+      return "f16";
+    case Type::kF32:
+      return "f32";
+    case Type::kF64:
+      return "f64";
+    case Type::kPtr:
+      return "ptr";
+  }
+  return "?";
+}
+
+}  // namespace pineda::ir

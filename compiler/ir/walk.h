@@ -1,0 +1,54 @@
+// Small helpers that every reader of a Kernel needs: which operands an instruction has, which regions, where its limit is.
+#pragma once
+
+#include <vector>
+
+#include "compiler/ir/ir.h"
+
+namespace pineda::ir {
+
+constexpr bool is_memory(Op op) { return op == Op::kLoad || op == Op::kStore || op == Op::kAtomic; }
+constexpr bool has_regions(Op op) { return op == Op::kIf || op == Op::kLoop; }
+constexpr bool has_list(Op op) { return op == Op::kLoop || op == Op::kYield; }
+// Ops whose Inst::imm is a small number of their own: count, pattern or index.
+constexpr bool has_index_imm(Op op) {
+  return op == Op::kLocal || op == Op::kQuadSwizzle || op == Op::kLoopArg || op == Op::kResult;
+}
+
+// Index in Inst::operand of the optional limit.
+constexpr uint32_t limit_index(Op op) { return op == Op::kLoad ? 2 : 3; }
+inline constexpr uint32_t kComparandIndex = 4;
+inline Value limit_of(const Inst& inst) { return is_memory(inst.op) ? inst.operand[limit_index(inst.op)] : Value{}; }
+
+// Number of regions that an instruction owns.
+constexpr uint32_t region_count(Op op) { return op == Op::kIf ? 2 : op == Op::kLoop ? 1 : 0; }
+
+// Every value that the instruction names, in order; `fn` may replace it (Value&) when the kernel is mutable.
+template <typename KernelT, typename Fn>
+void for_each_operand(KernelT& kernel, Value v, Fn&& fn) {
+  auto& inst = kernel.insts[v.id];
+  for (auto& operand : inst.operand) {
+    if (operand) fn(operand);
+  }
+  if (has_list(inst.op)) {
+    for (auto& value : kernel.lists[inst.list]) fn(value);
+  }
+}
+
+// The Yield that ends a region of an If or Loop.
+inline Value yield_of(const Kernel& kernel, RegionId region) { return kernel.regions[region].insts.back(); }
+inline const std::vector<Value>& yielded(const Kernel& kernel, RegionId region) {
+  return kernel.lists[kernel.at(yield_of(kernel, region)).list];
+}
+
+// Calls fn(value) for each instruction of a region and of the regions in it, in program order. fn must not add to the regions.
+template <typename Fn>
+void for_each_inst(const Kernel& kernel, RegionId region, Fn&& fn) {
+  for (Value v : kernel.regions[region].insts) {
+    fn(v);
+    const Inst& inst = kernel.at(v);
+    for (uint32_t r = 0; r < region_count(inst.op); ++r) for_each_inst(kernel, inst.region[r], fn);
+  }
+}
+
+}  // namespace pineda::ir
