@@ -122,6 +122,8 @@ struct DrawContext {
   float depth_clamp[2];                          // viewport's min and max depth
   uint32_t workgroup_count[3];
   uint32_t reserved;
+  const float* srgb_decode;                      // base/srgb.h: set_srgb_tables fills both
+  const uint32_t* srgb_encode;
 };
 static_assert(sizeof(DrawContext) % 8 == 0);
 
