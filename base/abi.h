@@ -165,12 +165,12 @@ struct FragmentPrim {
   float z0, dz1, dz2;
   float iw0, iw1, iw2;               // 1/w of each vertex
   const float* vertex[3];            // slot 0 of the vertex (lane offset applied); slot s is s * kVertexSlotBytes further.
-                                     // vertex[0] is the provoking vertex: flat inputs read it.
+                                     // Flat inputs read the provoking vertex: vertex[0] + flat_offset_bytes.
   uint32_t front_facing;             // 0 or 1
   uint32_t primitive_id;
   uint32_t layer, viewport_index;
   float point_size;                  // reserved for points
-  uint32_t reserved;
+  int32_t flat_offset_bytes;         // from vertex[0] to the provoking vertex; 0 unless clipping cut the provoking vertex off
 };
 static_assert(sizeof(FragmentPrim) == 96);
 
