@@ -81,9 +81,18 @@ struct SampleRequest {
 };
 
 struct ImageQuery {
-  enum class Kind : uint8_t { kSize, kLevels, kLod, kSamples } kind;
+  // What the four values of the answer are:
+  enum class Kind : uint8_t {
+    kSize,     // I32 width, height, depth, array layers (a cube array counts faces; the translator divides)
+    kLevels,   // I32 level count, -, -, -
+    kLod,      // F32 level that would be accessed, LOD relative to the base level, -, -
+    kSamples   // I32 sample count, -, -, -
+  } kind;
   ImageRef image;
-  ir::Value lod;                 // kSize of a mipmapped image
+  ir::Value lod;                 // kSize of a mipmapped image (I32); unset: level 0
+  ImageRef sampler;              // kLod
+  VkImageViewType view_type = VK_IMAGE_VIEW_TYPE_2D;  // what the shader declared
+  std::array<ir::Value, 4> coord{};  // kLod: u, v, w without the layer
 };
 
 struct ImageAccess {             // storage images
@@ -102,7 +111,7 @@ class StageInterface {
   virtual ir::Value input(ir::Builder& b, const InterfaceScalar& in) = 0;
   // Called once for each output scalar when every invocation has left the entry point.
   virtual void output(ir::Builder& b, const InterfaceScalar& out, ir::Value value) = 0;
-  // Buffer binding or push constants (set == kPushConstants).
+  // Buffer binding or push constants (set == kPushConstants). array_index is I32 and below the declared array length.
   static constexpr uint32_t kPushConstants = ~0u;
   virtual std::optional<BufferRef> buffer(ir::Builder& b, uint32_t set, uint32_t binding, ir::Value array_index) = 0;
   virtual std::optional<std::array<ir::Value, 4>> sample(ir::Builder& b, const SampleRequest& request) = 0;
