@@ -57,7 +57,7 @@ using KernelFn = void (*)(const KernelHandle* self, const void* draw, void* thre
 // How raster and icd hold a kernel, whether machine code or the evaluator runs it. Lives as long as its pipeline.
 struct KernelHandle {
   KernelFn fn = nullptr;
-  const void* self = nullptr;  // the evaluator's ir::Kernel; unused by machine code
+  const void* self = nullptr;  // the evaluator's eval::Program; unused by machine code
 
   void operator()(const void* draw, void* thread, const PrimRecord* prims, uint32_t prim_count, const void* waves) const {
     fn(this, draw, thread, prims, prim_count, waves);

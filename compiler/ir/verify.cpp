@@ -4,7 +4,7 @@
 //   * both regions of an If exist; every If/Loop region ends with its only Yield;
 //   * the LoopArgs 0..n-1 are the first instructions of a loop body, all present and in order;
 //   * Results follow their If or Loop at once;
-//   * Locals stand in the wave region, before anything else that is not a Local;
+//   * Locals stand in the wave region, before anything else that is not a Local, and take at most kMaxLocalBytes together;
 //   * draw and prim hold only pure instructions and invariant loads that such a rate can know;
 //   * a float constant that is a NaN is the canonical one.
 // The type rules of ops.inc are check_types().
@@ -282,7 +282,7 @@ class Verifier {
       case Op::kQuadSwizzle:
         return inst.imm < 256 ? nullptr : "pattern is out of range";
       case Op::kLocal:
-        return inst.imm > 0 && inst.imm <= kMaxLocalElements ? nullptr : "count is out of range";
+        return inst.imm > 0 && inst.imm <= kMaxLocalBytes ? nullptr : "count is out of range";
       case Op::kLoopArg:
       case Op::kResult:
         return nullptr;  // checked against the list
@@ -321,7 +321,8 @@ class Verifier {
     if (index > 0 && kernel_.at(kernel_.regions[id].insts[index - 1]).op != Op::kLocal) {
       return fail(v, "must stand at the head of the wave region");
     }
-    return true;
+    local_bytes_ += kernel_.at(v).imm * size_bytes(kernel_.at(v).type);
+    return local_bytes_ <= kMaxLocalBytes ? true : fail(v, "locals take more than " + std::to_string(kMaxLocalBytes) + " bytes");
   }
 
   bool loop_args(RegionId id, Value owner) {
@@ -373,6 +374,7 @@ class Verifier {
 
   const Kernel& kernel_;
   std::vector<bool> visible_, placed_, used_;
+  uint64_t local_bytes_ = 0;
   std::string fault_;
 };
 
