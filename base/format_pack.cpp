@@ -34,13 +34,17 @@ uint64_t snorm(float x, uint32_t bits) {
 uint64_t pack_float(const FormatInfo& format, uint32_t component, float x) {
   const uint32_t bits = format.component[component].bits;
   switch (format.numeric) {
-    case Numeric::kUnorm: return unorm(x, bits);
-    case Numeric::kSnorm: return snorm(x, bits);
-    case Numeric::kSrgb: return component == 3 ? unorm(x, bits) : srgb_encode(x);
+    case Numeric::kUnorm:
+      return unorm(x, bits);
+    case Numeric::kSnorm:
+      return snorm(x, bits);
+    case Numeric::kSrgb:
+      return component == 3 ? unorm(x, bits) : srgb_encode(x);
     case Numeric::kSfloat:
       if (bits == 16) return float_to_half(x);
       return x != x ? 0x7fc00000u : std::bit_cast<uint32_t>(x);
-    default: return 0;
+    default:
+      return 0;
   }
 }
 
@@ -62,10 +66,16 @@ void pack_depth(const FormatInfo& format, float depth, uint8_t* out) {
   z = 1.0f < z ? 1.0f : z;
   uint32_t word = 0;
   switch (format.component[0].bits) {
-    case 16: word = static_cast<uint32_t>(round_product(z, 0xffff)); break;
+    case 16:
+      word = static_cast<uint32_t>(round_product(z, 0xffff));
+      break;
     // The kernel's product is rounded to binary32 first, because the integer does not fit beside a rounding constant.
-    case 24: word = static_cast<uint32_t>(round_product(z * 16777215.0f, 1.0)); break;
-    default: word = std::bit_cast<uint32_t>(z); break;
+    case 24:
+      word = static_cast<uint32_t>(round_product(z * 16777215.0f, 1.0));
+      break;
+    default:
+      word = std::bit_cast<uint32_t>(z);
+      break;
   }
   std::memcpy(out, &word, format.texel_bytes);
 }

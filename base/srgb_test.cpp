@@ -1,9 +1,9 @@
 #include "base/srgb.h"
 
+#include <gtest/gtest.h>
+
 #include <bit>
 #include <cmath>
-
-#include <gtest/gtest.h>
 
 #include "base/half.h"
 

@@ -1,19 +1,38 @@
-// Builders of whole kernels: vertex (fetch -> shader -> clip position and varyings), fragment (interpolation -> depth test -> shader -> blend -> pack) and
-// compute. They produce unoptimised IR; compile.cpp runs the passes.
+// Builders of whole kernels: vertex (fetch -> shader -> clip position and varyings), fragment (interpolation -> depth test ->
+// shader -> blend -> pack) and compute. They produce unoptimised IR; compile.cpp runs the passes.
 #pragma once
+
+#include <functional>
 
 #include "compiler/compile.h"
 
 namespace pineda::kernels {
 
+// What a builder needs of a shader: what it declares, and its code. Tests write the code in C++; shader_of() takes it from
+// SPIR-V.
+struct Shader {
+  spirv::ModuleInfo info;
+  std::function<Result<spirv::Translation>(ir::Builder&, spirv::StageInterface&)> body;
+};
+Shader shader_of(const spirv::Module& module);  // keeps a reference
+
 struct FragmentKernel {
   ir::Kernel ir;
-  std::vector<compiler::VaryingSlot> varyings;  // slot 4 + i of the vertex record holds varyings[i]; only those that are read after dce
+  std::vector<compiler::VaryingSlot>
+      varyings;  // slot 4 + i of the vertex record holds varyings[i]; only those that are read after dce
   bool early_depth = true, reads_color = false, opaque = false, has_side_effects = false;
 };
 
-Result<FragmentKernel> build_fragment(const compiler::GraphicsSource& source);
-Result<ir::Kernel> build_vertex(const compiler::GraphicsSource& source, std::span<const compiler::VaryingSlot> varyings);
-Result<ir::Kernel> build_compute(const compiler::ComputeSource& source);
+// Pipeline state apart from the shader modules: `source.vertex` and `source.fragment` are not looked at. A null shader: depth
+// only.
+Result<FragmentKernel> build_fragment(const compiler::GraphicsSource& source, const Shader* shader);
+Result<ir::Kernel> build_vertex(const compiler::GraphicsSource& source, const Shader& shader,
+                                std::span<const compiler::VaryingSlot> varyings);
+Result<ir::Kernel> build_compute(const compiler::ComputeSource& source, const Shader& shader);
+
+// Renumbers the varyings that a fragment kernel reads (its loads through FragmentPrim::vertex) to slots 4, 5, ... and tells which
+// they are. `slot` numbers before: 4 + location * 4 + component.
+std::vector<compiler::VaryingSlot> compact_varyings(ir::Kernel& kernel);
+constexpr uint32_t provisional_slot(uint32_t location, uint32_t component) { return 4 + location * 4 + component; }
 
 }  // namespace pineda::kernels

@@ -1,0 +1,33 @@
+// From a texture coordinate to texel indices along one axis (Vulkan 1.3, sections 16.6 "Unnormalized Texel Coordinate Operations"
+// and 16.8.1 "Wrapping Operation").
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include "compiler/ir/builder.h"
+
+namespace pineda::kernels {
+
+struct AxisRequest {
+  ir::Value coord;  // F32
+  ir::Value size;   // I32, texels, at least 1
+  VkSamplerAddressMode mode = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  bool unnormalized = false;
+  int32_t offset = 0;  // texels
+};
+
+// Indices are in [0, size) except outside, where `inside` is false and the border colour replaces the texel.
+struct NearestTexel {
+  ir::Value i;       // I32
+  ir::Value inside;  // B1; unset = always
+};
+struct LinearTexels {
+  ir::Value i0, i1;
+  ir::Value inside0, inside1;
+  ir::Value weight1;  // F32, of i1: a multiple of 1/256 in [0, 1)
+};
+
+NearestTexel nearest_texel(ir::Builder& b, const AxisRequest& axis);
+LinearTexels linear_texels(ir::Builder& b, const AxisRequest& axis);
+
+}  // namespace pineda::kernels

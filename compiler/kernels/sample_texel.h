@@ -1,0 +1,51 @@
+// Reading texels of a sampled image, and bringing them to the form in which they are filtered.
+#pragma once
+
+#include "compiler/kernels/sample.h"
+
+namespace pineda::kernels {
+
+// One level as a lane sees it: sizes in texels, bytes from the image's address.
+struct LevelView {
+  ir::Value width, height;
+  ir::Value offset_bytes, row_pitch_bytes;
+};
+// `level` unset: level 0, constant over the draw.
+LevelView view_level(ir::Builder& b, ir::Value image, ir::Value level);
+
+// Texels are filtered in code units (0..255 for 8-bit UNORM: F32 sums of at most 255 * 2^16 weights are exact) and scaled once,
+// by finish().
+class TexelReader {
+ public:
+  TexelReader(ir::Builder& b, const SampleSource& source, const FormatInfo& format, ir::Value layer);
+
+  // Byte offset of row y, with the layer's; of column x.
+  ir::Value row_offset(const LevelView& level, ir::Value y);
+  ir::Value column_offset(ir::Value x);
+
+  // The texel at a byte offset, in filter units, border colour where `inside` (B1) is set and false. Components that the format
+  // lacks are unset.
+  Channels read(ir::Value offset_bytes, ir::Value inside);
+  // Lanes where `inside` is false read texels of zero bytes from now on.
+  void forbid_unless(ir::Value inside) { size_bytes_ = b_.select(inside, size_bytes_, b_.i32(0)); }
+
+  // From filter units to values, defaults filled in.
+  Channels finish(const Channels& filtered);
+
+  bool normalized(uint32_t component) const;  // filtered in code units
+
+ private:
+  ir::Value component(uint32_t c, const Words& words);
+  ir::Value border(uint32_t c);
+
+  ir::Builder& b_;
+  const SampleSource& source_;
+  const FormatInfo& format_;
+  ir::Value base_, size_bytes_, layer_offset_;
+};
+
+// The view's component swizzle, on values.
+Channels swizzle(ir::Builder& b, const compiler::TextureState& state, const Channels& texel);
+ir::Value swizzle_component(ir::Builder& b, const compiler::TextureState& state, const Channels& texel, uint32_t component);
+
+}  // namespace pineda::kernels
