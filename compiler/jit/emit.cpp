@@ -242,7 +242,8 @@ Emitter::V Emitter::vector(ir::Value v) {
   if (splat != nullptr) return splat;
   llvm::IRBuilderBase::InsertPointGuard guard(b_);
   if (auto* def = llvm::dyn_cast<llvm::Instruction>(value)) {
-    b_.SetInsertPoint(*def->getInsertionPointAfterDef());
+    llvm::BasicBlock* home = def->getParent();
+    b_.SetInsertPoint(home, llvm::isa<llvm::PHINode>(def) ? home->getFirstNonPHIIt() : std::next(def->getIterator()));
   } else {
     b_.SetInsertPoint(entry_->getTerminator());
   }
