@@ -1,0 +1,112 @@
+#include "tools/bench/grid_scenes.h"
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "shaders/lit_mesh_frag.h"
+#include "shaders/lit_mesh_vert.h"
+#include "tools/camera.h"
+
+namespace pineda::tools {
+namespace {
+
+struct Vertex {
+  glm::vec3 position, normal;
+};
+
+std::vector<Vertex> make_torus(uint32_t columns, uint32_t rows) {
+  std::vector<Vertex> vertices;
+  vertices.reserve(size_t{columns + 1} * (rows + 1));
+  for (uint32_t row = 0; row <= rows; ++row) {
+    for (uint32_t column = 0; column <= columns; ++column) {
+      const float around = 2 * std::numbers::pi_v<float> * static_cast<float>(column) / static_cast<float>(columns);
+      const float tube = 2 * std::numbers::pi_v<float> * static_cast<float>(row) / static_cast<float>(rows);
+      const glm::vec3 outward(std::cos(around), 0, std::sin(around));
+      const glm::vec3 normal = outward * std::cos(tube) + glm::vec3(0, std::sin(tube), 0);
+      vertices.push_back({outward + 0.45f * normal, normal});
+    }
+  }
+  return vertices;
+}
+
+std::vector<uint32_t> make_grid_indices(uint32_t columns, uint32_t rows) {
+  std::vector<uint32_t> indices;
+  indices.reserve(size_t{6} * columns * rows);
+  for (uint32_t row = 0; row < rows; ++row) {
+    for (uint32_t column = 0; column < columns; ++column) {
+      const uint32_t a = row * (columns + 1) + column, b = a + columns + 1;
+      indices.insert(indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+    }
+  }
+  return indices;
+}
+
+class LitMeshScene final : public RenderScene {
+ public:
+  explicit LitMeshScene(const LitMeshOptions& options)
+      : RenderScene(options.depth_only ? RenderTarget::Attachments::kDepth : RenderTarget::Attachments::kColourDepth),
+        options_(options) {}
+
+ protected:
+  void create(VkContext& context, const RenderTarget& target) override {
+    const std::vector<Vertex> vertices = make_torus(options_.columns, options_.rows);
+    const std::vector<uint32_t> indices = make_grid_indices(options_.columns, options_.rows);
+    index_count_ = static_cast<uint32_t>(indices.size());
+    vertices_ = create_buffer(context, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+    indices_ = create_buffer(context, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+
+    std::vector<glm::vec3> positions;
+    for (const Vertex& vertex : vertices) positions.push_back(vertex.position);
+    const auto [width, height] = target.extent();
+    const float aspect = static_cast<float>(width) / static_cast<float>(height);
+    const Camera camera = fit_camera(positions, glm::normalize(glm::vec3(-0.3f, -0.8f, -0.7f)), aspect, 0.4f, 0.95f);
+    view_ = create_buffer(context, std::span(&camera.view_projection, 1), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+    const Binding binding{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_VERTEX_BIT};
+    set_layout_ = create_set_layout(context, {&binding, 1});
+    descriptors_.emplace(context, 1, 1);
+    set_ = descriptors_->allocate(set_layout_);
+    descriptors_->write_buffer(set_, 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, view_);
+
+    const VkDescriptorSetLayout set_layout = set_layout_;
+    layout_ = create_pipeline_layout(context, {&set_layout, 1}, {});
+    pipeline_ = create_graphics_pipeline(context, target,
+                                         {.vertex_shader = lit_mesh_vert,
+                                          .fragment_shader = options_.depth_only ? Spirv{} : Spirv{lit_mesh_frag},
+                                          .vertex_bindings = {{0, sizeof(Vertex), VK_VERTEX_INPUT_RATE_VERTEX}},
+                                          .vertex_attributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, position)},
+                                                                {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, normal)}},
+                                          .depth_test = true,
+                                          .depth_write = true,
+                                          .layout = layout_});
+  }
+
+  void draw(VkCommandBuffer commands) const override {
+    const VkDeviceSize offset = 0;
+    const VkBuffer buffer = vertices_.handle;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    vkCmdBindVertexBuffers(commands, 0, 1, &buffer, &offset);
+    vkCmdBindIndexBuffer(commands, indices_.handle, 0, VK_INDEX_TYPE_UINT32);
+    const uint32_t part = index_count_ / options_.draw_count;
+    for (uint32_t i = 0; i < options_.draw_count; ++i) vkCmdDrawIndexed(commands, part, 1, i * part, 0, 0);
+  }
+
+ private:
+  LitMeshOptions options_;
+  uint32_t index_count_ = 0;
+  Buffer vertices_, indices_, view_;
+  std::optional<DescriptorAllocator> descriptors_;
+  DescriptorSetLayoutHandle set_layout_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  PipelineLayoutHandle layout_;
+  PipelineHandle pipeline_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scene> make_lit_mesh_scene(const LitMeshOptions& options) { return std::make_unique<LitMeshScene>(options); }
+
+}  // namespace pineda::tools

@@ -1,0 +1,18 @@
+// A generated torus: lit, or only its depth; in one draw or in many.
+#pragma once
+
+#include <memory>
+
+#include "tools/scene.h"
+
+namespace pineda::tools {
+
+struct LitMeshOptions {
+  uint32_t columns = 32, rows = 16;  // of quads, two triangles each
+  bool depth_only = false;
+  uint32_t draw_count = 1;  // drawn in this many equal parts
+};
+
+std::unique_ptr<Scene> make_lit_mesh_scene(const LitMeshOptions& options);
+
+}  // namespace pineda::tools

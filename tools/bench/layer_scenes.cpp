@@ -1,0 +1,109 @@
+#include "tools/bench/layer_scenes.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "shaders/layer_flat_frag.h"
+#include "shaders/layer_lit_frag.h"
+#include "shaders/layer_textured_frag.h"
+#include "shaders/layer_vert.h"
+
+namespace pineda::tools {
+namespace {
+
+struct Layer {  // the push constants of all layer shaders
+  float colour[4];
+  float depth;
+  float texture_scale;
+};
+
+constexpr VkShaderStageFlags kLayerStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+constexpr uint32_t kTextureSide = 1024;
+
+Image make_pattern() {
+  Image image{
+      .width = kTextureSide, .height = kTextureSide, .rgba = std::vector<uint8_t>(size_t{4} * kTextureSide * kTextureSide)};
+  for (uint32_t y = 0; y < kTextureSide; ++y) {
+    for (uint32_t x = 0; x < kTextureSide; ++x) {
+      const uint8_t texel[4] = {static_cast<uint8_t>(x ^ y), static_cast<uint8_t>(x >> 2), static_cast<uint8_t>(y >> 2), 255};
+      std::copy(texel, texel + 4, image.pixel(x, y));
+    }
+  }
+  return image;
+}
+
+Spirv fragment_shader_of(LayerKind kind) {
+  switch (kind) {
+    case LayerKind::kTrilinear:
+      return layer_textured_frag;
+    case LayerKind::kLitFrontToBack:
+      return layer_lit_frag;
+    default:
+      return layer_flat_frag;
+  }
+}
+
+class LayerScene final : public RenderScene {
+ public:
+  LayerScene(LayerKind kind, uint32_t layer_count)
+      : RenderScene(kind == LayerKind::kLitFrontToBack ? RenderTarget::Attachments::kColourDepth
+                                                       : RenderTarget::Attachments::kColour),
+        kind_(kind),
+        layer_count_(layer_count) {}
+
+ protected:
+  void create(VkContext& context, const RenderTarget& target) override {
+    if (kind_ == LayerKind::kTrilinear) create_texture_set(context);
+    const VkDescriptorSetLayout set_layout = set_layout_;
+    const VkPushConstantRange range{kLayerStages, 0, sizeof(Layer)};
+    layout_ = create_pipeline_layout(context, {&set_layout, set_ ? 1u : 0u}, {&range, 1});
+    pipeline_ = create_graphics_pipeline(context, target,
+                                         {.vertex_shader = layer_vert,
+                                          .fragment_shader = fragment_shader_of(kind_),
+                                          .depth_test = kind_ == LayerKind::kLitFrontToBack,
+                                          .depth_write = kind_ == LayerKind::kLitFrontToBack,
+                                          .alpha_blend = kind_ == LayerKind::kBlended,
+                                          .layout = layout_});
+  }
+
+  void draw(VkCommandBuffer commands) const override {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
+    if (set_) vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    for (uint32_t i = 0; i < layer_count_; ++i) {
+      const float t = static_cast<float>(i + 1) / static_cast<float>(layer_count_ + 1);
+      const Layer layer{.colour = {t, 1 - t, 0.5f, 0.5f}, .depth = t, .texture_scale = 1.5f + t};
+      vkCmdPushConstants(commands, layout_, kLayerStages, 0, sizeof layer, &layer);
+      vkCmdDraw(commands, 6, 1, 0, 0);
+    }
+  }
+
+ private:
+  void create_texture_set(VkContext& context) {
+    texture_ = create_texture(context, make_mip_chain(make_pattern()));
+    sampler_ = create_trilinear_sampler(context);
+    const Binding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
+    set_layout_ = create_set_layout(context, {&binding, 1});
+    descriptors_.emplace(context, 1, 1);
+    set_ = descriptors_->allocate(set_layout_);
+    descriptors_->write_texture(set_, 0, texture_, sampler_);
+  }
+
+  LayerKind kind_;
+  uint32_t layer_count_;
+  Image2D texture_;
+  SamplerHandle sampler_;
+  std::optional<DescriptorAllocator> descriptors_;
+  DescriptorSetLayoutHandle set_layout_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  PipelineLayoutHandle layout_;
+  PipelineHandle pipeline_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scene> make_layer_scene(LayerKind kind, uint32_t layer_count) {
+  return std::make_unique<LayerScene>(kind, layer_count);
+}
+
+}  // namespace pineda::tools

@@ -1,0 +1,29 @@
+// The work that `pineda bench` times. A row is prepared once in each driver's process and then sampled again and again.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tools/vk/context.h"
+
+namespace pineda::tools {
+
+class BenchRow {
+ public:
+  virtual ~BenchRow() = default;
+  virtual double run_sample() = 0;  // milliseconds of one piece of work, submit and wait included
+};
+
+struct BenchRowInfo {
+  std::string name;
+  std::string description;
+  VkExtent2D extent;
+  std::function<std::unique_ptr<BenchRow>(VkContext&, VkExtent2D)> create;  // null: timed by the parent (start-up)
+};
+
+std::span<const BenchRowInfo> bench_rows();
+std::unique_ptr<BenchRow> create_bench_row(const std::string& name, VkContext& context, VkExtent2D extent);
+
+}  // namespace pineda::tools

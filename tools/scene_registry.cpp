@@ -1,0 +1,59 @@
+#include "tools/scene_registry.h"
+
+#include <filesystem>
+
+#include "tools/error.h"
+#include "tools/scenes/scenes.h"
+
+namespace pineda::tools {
+namespace {
+
+#define PINEDA_ASSIMP_MODELS "/usr/share/assimp/models/"  // Debian: assimp-testmodels
+
+constexpr SceneInfo kScenes[] = {
+    {"triangle", "Triangle", "One triangle, a colour at each corner", make_triangle_scene, nullptr},
+    {"blend", "Blending", "Overlapping translucent quads", make_blend_scene, nullptr},
+    {"cubes", "Cubes", "1,000 instanced cubes with depth", make_cubes_scene, nullptr},
+    {"mandelbrot", "Mandelbrot", "Compute shader into a storage buffer", make_mandelbrot_scene, nullptr},
+    {"milktruck", "Milk truck", "CesiumMilkTruck, glTF with a texture", nullptr,
+     PINEDA_ASSIMP_MODELS "glTF/CesiumMilkTruck/CesiumMilkTruck.gltf"},
+    {"duck", "Duck", "The Collada duck, textured", nullptr, PINEDA_ASSIMP_MODELS "Collada/duck.dae"},
+    {"engine", "Two-cylinder engine", "Binary glTF 2.0 with deep node transforms", nullptr,
+     PINEDA_ASSIMP_MODELS "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb"},
+    {"bunny", "Stanford bunny", "OBJ, 69,000 triangles", nullptr, "/usr/share/glmark2/models/bunny.obj"},
+};
+
+#undef PINEDA_ASSIMP_MODELS
+
+}  // namespace
+
+std::span<const SceneInfo> known_scenes() { return kScenes; }
+
+const SceneInfo* find_scene(const std::string& name) {
+  for (const SceneInfo& scene : kScenes) {
+    if (name == scene.name) return &scene;
+  }
+  return nullptr;
+}
+
+void require_scene(const std::string& name_or_path) {
+  const SceneInfo* scene = find_scene(name_or_path);
+  if (scene && !scene->model_path) return;
+  const std::string path = scene ? scene->model_path : name_or_path;
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return;
+  if (scene) fail("scene {}: its model {} is missing (install assimp-testmodels and glmark2-data)", scene->name, path);
+  if (std::filesystem::exists(path, error)) fail("{} is not a file", path);
+  std::string names;
+  for (const SceneInfo& known : kScenes) names += fmt::format(" {}", known.name);
+  fail("{}: no such file, and no such scene (known scenes:{})", path, names);
+}
+
+std::unique_ptr<Scene> create_scene(const std::string& name_or_path) {
+  require_scene(name_or_path);
+  const SceneInfo* scene = find_scene(name_or_path);
+  if (!scene) return make_model_scene(name_or_path);
+  return scene->model_path ? make_model_scene(scene->model_path) : scene->create();
+}
+
+}  // namespace pineda::tools

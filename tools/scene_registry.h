@@ -1,0 +1,25 @@
+// The scenes that `compare`, `bench`, `render` and the golden tests know by name; any other name is the path of a model file.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tools/scene.h"
+
+namespace pineda::tools {
+
+struct SceneInfo {
+  const char* name;
+  const char* title;
+  const char* description;
+  std::unique_ptr<Scene> (*create)();
+  const char* model_path;  // of the named models, else null
+};
+
+std::span<const SceneInfo> known_scenes();
+const SceneInfo* find_scene(const std::string& name);  // null when it is not a known name
+void require_scene(const std::string& name_or_path);   // throws ToolError when it is neither a known scene nor a readable file
+std::unique_ptr<Scene> create_scene(const std::string& name_or_path);
+
+}  // namespace pineda::tools

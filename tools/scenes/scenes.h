@@ -1,0 +1,17 @@
+// The built-in scenes.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tools/scene.h"
+
+namespace pineda::tools {
+
+std::unique_ptr<Scene> make_triangle_scene();
+std::unique_ptr<Scene> make_blend_scene();
+std::unique_ptr<Scene> make_cubes_scene();
+std::unique_ptr<Scene> make_mandelbrot_scene();
+std::unique_ptr<Scene> make_model_scene(const std::string& path);
+
+}  // namespace pineda::tools

@@ -1,0 +1,37 @@
+// Directional light, sky and ground light, a soft highlight. Squaring stands for the sRGB curve (exact on every driver, unlike pow).
+#version 450
+
+layout(constant_id = 0) const bool kTextured = true;
+layout(set = 0, binding = 0) uniform View {
+  mat4 view_projection;
+  vec4 eye;
+  vec4 light_direction;
+};
+layout(set = 1, binding = 0) uniform sampler2D base_texture;
+layout(location = 0) in vec3 world_normal;
+layout(location = 1) in vec3 to_eye;
+layout(location = 2) in vec3 albedo;
+layout(location = 3) in vec2 uv;
+layout(location = 0) out vec4 result;
+
+void main() {
+  vec3 surface = albedo;
+  if (kTextured) {
+    vec3 texel = texture(base_texture, uv).rgb;
+    surface *= texel * texel;
+  }
+  vec3 n = normalize(gl_FrontFacing ? world_normal : -world_normal);
+  vec3 v = normalize(to_eye);
+  vec3 l = light_direction.xyz;
+  float sun = max(dot(n, l), 0.0);
+  vec3 ambient = mix(vec3(0.17, 0.15, 0.14), vec3(0.34, 0.38, 0.46), 0.5 + 0.5 * n.y);
+  float fill = max(dot(n, v), 0.0) * 0.16;
+  float highlight = max(dot(n, normalize(l + v)), 0.0);
+  highlight *= highlight;
+  highlight *= highlight;
+  highlight *= highlight;
+  highlight *= highlight;
+  highlight *= highlight;
+  vec3 light = ambient + vec3(1.02, 0.97, 0.88) * sun + fill;
+  result = vec4(sqrt(surface * light + 0.10 * highlight * sun), 1.0);
+}

@@ -1,0 +1,54 @@
+// A small Vulkan 1.0 client: instance, device, one queue, and submission with a fence. All scenes and benchmark rows use it, with
+// core features only, so that a driver is asked for nothing optional.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/vk/handles.h"
+
+namespace pineda::tools {
+
+void check(VkResult result, const char* what);  // throws ToolError naming the call and the result
+const char* result_name(VkResult result);
+
+struct DeviceInfo {
+  std::string name, api_version;
+  uint32_t driver_version = 0;
+};
+
+class VkContext {
+ public:
+  // With a list to write to, the validation layer is on, and its warnings and errors go there.
+  explicit VkContext(std::vector<std::string>* validation_messages = nullptr);
+  ~VkContext();
+  VkContext(const VkContext&) = delete;
+  VkContext& operator=(const VkContext&) = delete;
+
+  VkDevice device() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  DeviceInfo info() const;
+
+  uint32_t memory_type(uint32_t allowed_types, VkMemoryPropertyFlags wanted) const;
+  VkCommandBuffer record(const std::function<void(VkCommandBuffer)>& commands);  // freed with the context, or by release()
+  void release(VkCommandBuffer commands);
+  void submit_and_wait(VkCommandBuffer commands);  // VK_NULL_HANDLE submits nothing and waits for the fence all the same
+  void run_once(const std::function<void(VkCommandBuffer)>& commands);
+
+ private:
+  void create_instance(std::vector<std::string>* validation_messages);
+  void create_device();
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_device_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  uint32_t queue_family_ = 0;
+  VkPhysicalDeviceMemoryProperties memory_properties_{};
+  CommandPoolHandle command_pool_;
+  FenceHandle fence_;
+};
+
+}  // namespace pineda::tools

@@ -1,0 +1,75 @@
+// Buffers, textures, and the off-screen target that every scene draws into.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <ranges>
+#include <span>
+#include <vector>
+
+#include "tools/image.h"
+#include "tools/vk/context.h"
+
+namespace pineda::tools {
+
+struct Buffer {  // host-visible and mapped for its whole life: the drivers compared here run on the CPU
+  BufferHandle handle;
+  MemoryHandle memory;
+  std::byte* mapped = nullptr;
+  VkDeviceSize size_bytes = 0;
+};
+
+Buffer create_buffer(VkContext& context, VkDeviceSize size_bytes, VkBufferUsageFlags usage);
+Buffer create_buffer(VkContext& context, std::span<const std::byte> content, VkBufferUsageFlags usage);
+template <std::ranges::contiguous_range Range>
+Buffer create_buffer(VkContext& context, const Range& content, VkBufferUsageFlags usage) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(content));
+  return create_buffer(context, bytes, usage);
+}
+
+struct Image2D {
+  ImageHandle handle;
+  MemoryHandle memory;
+  ImageViewHandle view;
+  VkExtent2D extent{};
+  uint32_t mip_levels = 1;
+};
+
+Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage);
+// Uploads all levels by one buffer-to-image copy; ready for sampling.
+Image2D create_texture(VkContext& context, std::span<const Image> mip_levels);
+SamplerHandle create_trilinear_sampler(VkContext& context);
+
+void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout from, VkImageLayout to, VkAccessFlags source_access,
+                VkAccessFlags target_access, VkPipelineStageFlags source_stage, VkPipelineStageFlags target_stage);
+
+// An RGBA8 colour image, with D32 depth if wanted, the render pass that clears both and leaves the colour ready to be read back.
+class RenderTarget {
+ public:
+  enum class Attachments { kColour, kColourDepth, kDepth };
+  RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments);
+
+  void begin(VkCommandBuffer commands, std::array<float, 4> clear_colour) const;
+  VkExtent2D extent() const { return extent_; }
+  VkRenderPass render_pass() const { return render_pass_; }
+  bool has_colour() const { return attachments_ != Attachments::kDepth; }
+  bool has_depth() const { return attachments_ != Attachments::kColour; }
+  const Image2D& colour() const { return colour_; }
+
+ private:
+  void create_render_pass(VkContext& context);
+
+  VkExtent2D extent_;
+  Attachments attachments_;
+  Image2D colour_, depth_;
+  RenderPassHandle render_pass_;
+  FramebufferHandle framebuffer_;
+};
+
+// Makes what a stage wrote to a buffer visible to the host, once the fence is waited for.
+void make_visible_to_host(VkCommandBuffer commands, const Buffer& buffer, VkPipelineStageFlags stage, VkAccessFlags access);
+
+// Copies an RGBA8 image in TRANSFER_SRC_OPTIMAL to the host.
+Image read_back(VkContext& context, const Image2D& image);
+
+}  // namespace pineda::tools
