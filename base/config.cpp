@@ -20,6 +20,7 @@ constexpr FlagRow kFlags[] = {
     {"llvm", kDebugLlvm, "print each kernel's LLVM IR"},
     {"asm", kDebugAsm, "print each kernel's machine code"},
     {"time", kDebugTime, "print how long each kernel took to compile"},
+    {"perf", kDebugPerf, "name kernels for perf, in /tmp/perf-PID.map"},
     {"api", kDebugApi, "print messages of level info too"},
     {"stats", kDebugStats, "print statistics of each render pass"},
     {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},

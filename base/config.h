@@ -19,6 +19,7 @@ enum DebugFlag : uint32_t {
   kDebugNoFastClear = 1u << 6,
   kDebugNoOpaque = 1u << 7,  // opaque covers drop nothing
   kDebugTime = 1u << 8,      // compile times
+  kDebugPerf = 1u << 9,      // names of kernels for perf
 };
 
 struct Config {

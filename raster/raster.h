@@ -78,9 +78,12 @@ struct PassStatistics {
   uint64_t bin_entries, blocks_shaded, blocks_hi_z_rejected, tiles_touched, tiles_filled, tiles_untouched, flushes;
 };
 
+struct Options;  // raster/options.h: what must not change a bit
+
 class Pass {
  public:
   Pass(ThreadPool& pool, const PassDesc& desc);
+  Pass(ThreadPool& pool, const PassDesc& desc, const Options& options);  // for tests; the other takes them from the environment
   ~Pass();
   // Appends a draw; geometry may start at once or later. The packet is copied, what it points to is not.
   void draw(const DrawPacket& packet);

@@ -2,6 +2,10 @@
 // creates a device never loads LLVM.
 //
 // The plug-in exports one function, pineda_jit_api(), which returns this table. No LLVM type appears here.
+//
+// Kernels expect the x86-64 psABI's state at a call: MXCSR = 0x1F80 (round to nearest, denormals kept, exceptions masked). An application
+// may change MXCSR of its own threads; Pineda's worker threads never do, and whoever runs a kernel on an application's thread sets it around
+// the call. A kernel changes no floating-point state.
 #pragma once
 
 #include <cstdint>
@@ -43,5 +47,6 @@ const Api* api(std::string* error);
 // PINEDA_ISA if it is set, else the best that this CPU runs. An ISA that the CPU lacks is refused: *error is set.
 Isa select_isa(std::string* error);
 const char* isa_name(Isa isa);  // "avx2"
+bool isa_supported(Isa isa);    // by this CPU and its operating system
 
 }  // namespace pineda::jit

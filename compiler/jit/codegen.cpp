@@ -1,0 +1,127 @@
+#include "compiler/jit/codegen.h"
+
+#include <array>
+#include <mutex>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#include <llvm/Analysis/TargetLibraryInfo.h>
+#include <llvm/IR/LegacyPassManager.h>
+#include <llvm/MC/MCContext.h>
+#include <llvm/MC/TargetRegistry.h>
+#include <llvm/Passes/PassBuilder.h>
+#include <llvm/Support/TargetSelect.h>
+#include <llvm/Support/raw_ostream.h>
+#include <llvm/Transforms/Scalar/EarlyCSE.h>
+#include <llvm/Transforms/Scalar/SROA.h>
+#include <llvm/Transforms/Utils/Cloning.h>
+#pragma GCC diagnostic pop
+
+namespace pineda::jit {
+namespace {
+
+// CPU models of the x86-64 psABI: never the host's, so that a kernel's machine code depends on the ISA alone. `fast-gather` lets LLVM use AVX2's
+// gather instructions, which those models leave out for the sake of Haswell.
+struct Target {
+  const char* cpu;
+  const char* features;
+  const char* vector_bits;
+};
+
+const Target& target_of(Isa isa) {
+  static constexpr std::array<Target, 3> kTargets = {{
+      {"x86-64-v2", "", "128"},
+      {"x86-64-v3", "+fast-gather", "256"},
+      {"x86-64-v4", "+fast-gather,-prefer-256-bit", "512"},
+  }};
+  return kTargets[static_cast<size_t>(isa)];
+}
+
+constexpr const char* kTriple = "x86_64-unknown-linux-gnu";
+
+const llvm::Target* llvm_target() {
+  static const llvm::Target* target = [] {
+    LLVMInitializeX86TargetInfo();
+    LLVMInitializeX86Target();
+    LLVMInitializeX86TargetMC();
+    LLVMInitializeX86AsmPrinter();
+    std::string error;
+    return llvm::TargetRegistry::lookupTarget(kTriple, error);
+  }();
+  return target;
+}
+
+std::unique_ptr<llvm::TargetMachine> create_machine(Isa isa) {
+  llvm::TargetOptions options;
+  options.AllowFPOpFusion = llvm::FPOpFusion::Strict;  // the bit contract: only llvm.fma is an FMA
+  options.FunctionSections = false;
+  const Target& target = target_of(isa);
+  std::unique_ptr<llvm::TargetMachine> machine(llvm_target()->createTargetMachine(
+      kTriple, target.cpu, target.features, options, llvm::Reloc::PIC_, llvm::CodeModel::Small, llvm::CodeGenOptLevel::Default));
+  return machine;
+}
+
+}  // namespace
+
+llvm::TargetMachine& target_machine(Isa isa) {
+  thread_local std::array<std::unique_ptr<llvm::TargetMachine>, 3> machines;
+  auto& machine = machines[static_cast<size_t>(isa)];
+  if (machine == nullptr) machine = create_machine(isa);
+  return *machine;
+}
+
+const char* target_name(Isa isa) { return target_of(isa).cpu; }
+
+void set_target(llvm::Module& module, llvm::TargetMachine& machine) {
+  module.setTargetTriple(kTriple);
+  module.setDataLayout(machine.createDataLayout());
+}
+
+void set_function_target(llvm::Function& function, Isa isa) {
+  const Target& target = target_of(isa);
+  function.addFnAttr("target-cpu", target.cpu);
+  function.addFnAttr("target-features", target.features);
+  function.addFnAttr("prefer-vector-width", target.vector_bits);
+  function.addFnAttr("min-legal-vector-width", target.vector_bits);
+}
+
+void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_locals) {
+  llvm::LoopAnalysisManager loops;
+  llvm::FunctionAnalysisManager functions;
+  llvm::CGSCCAnalysisManager cgscc;
+  llvm::ModuleAnalysisManager modules;
+  llvm::PassBuilder builder(&machine);
+  builder.registerModuleAnalyses(modules);
+  builder.registerCGSCCAnalyses(cgscc);
+  builder.registerFunctionAnalyses(functions);
+  builder.registerLoopAnalyses(loops);
+  builder.crossRegisterProxies(loops, functions, cgscc, modules);
+  llvm::FunctionPassManager passes;
+  if (has_locals) passes.addPass(llvm::SROAPass(llvm::SROAOptions::PreserveCFG));
+  passes.addPass(llvm::EarlyCSEPass());
+  for (llvm::Function& function : module) {
+    if (!function.isDeclaration()) passes.run(function, functions);
+  }
+}
+
+llvm::SmallVector<char, 0> emit_object(llvm::Module& module, llvm::TargetMachine& machine) {
+  llvm::SmallVector<char, 0> object;
+  llvm::raw_svector_ostream stream(object);
+  llvm::legacy::PassManager passes;
+  llvm::MCContext* context = nullptr;
+  if (machine.addPassesToEmitMC(passes, context, stream)) return object;  // empty: no emitter
+  passes.run(module);
+  return object;
+}
+
+std::string emit_assembly(const llvm::Module& module, llvm::TargetMachine& machine) {
+  std::unique_ptr<llvm::Module> copy = llvm::CloneModule(module);
+  llvm::SmallString<0> text;
+  llvm::raw_svector_ostream stream(text);
+  llvm::legacy::PassManager passes;
+  if (machine.addPassesToEmitFile(passes, stream, nullptr, llvm::CodeGenFileType::AssemblyFile)) return {};
+  passes.run(*copy);
+  return text.str().str();
+}
+
+}  // namespace pineda::jit

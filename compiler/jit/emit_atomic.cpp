@@ -1,0 +1,57 @@
+// Atomics: the active lanes one after the other, in lane order, sequentially consistent.
+#include "compiler/jit/emitter.h"
+
+#include "compiler/ir/walk.h"
+
+namespace pineda::jit {
+
+using ir::AtomicOp;
+using RMW = llvm::AtomicRMWInst;
+
+namespace {
+
+RMW::BinOp rmw_op(AtomicOp op) {
+  switch (op) {
+    case AtomicOp::kAdd: return RMW::Add;
+    case AtomicOp::kAnd: return RMW::And;
+    case AtomicOp::kOr: return RMW::Or;
+    case AtomicOp::kXor: return RMW::Xor;
+    case AtomicOp::kSMin: return RMW::Min;
+    case AtomicOp::kSMax: return RMW::Max;
+    case AtomicOp::kUMin: return RMW::UMin;
+    case AtomicOp::kUMax: return RMW::UMax;
+    default: return RMW::Xchg;
+  }
+}
+
+}  // namespace
+
+// The result per lane is collected on the stack: the loop's lane number is not a constant.
+Emitter::V Emitter::emit_atomic(const ir::Inst& inst) {
+  const Access a = access_of(inst, element_type(inst.type));
+  const LaneSlots slots = spill_addresses(lane_addresses(a));
+  V in_bounds = lanes_in_bounds(a);
+  V active = in_bounds == nullptr ? exec_bits() : b_.CreateZExt(mask_bits(exec_and(in_bounds)), b_.getInt32Ty());
+  llvm::Type* type = lane_type(a.element);
+  V values = spill(vector(inst.operand[2]), "values");
+  const bool compare = inst.atomic_op() == AtomicOp::kCompareExchange;
+  V comparands = compare ? spill(vector(inst.operand[ir::kComparandIndex]), "comparands") : nullptr;
+  V results = spill(llvm::Constant::getNullValue(type), "results");
+  for_each_lane(active, [&](V lane) {
+    V at = b_.CreateIntToPtr(slot_address(slots, lane), b_.getPtrTy());
+    V value = slot_load(values, a.element, lane);
+    const llvm::MaybeAlign natural(a.size_bytes);
+    constexpr auto kOrder = llvm::AtomicOrdering::SequentiallyConsistent;
+    V old;
+    if (compare) {
+      V expected = slot_load(comparands, a.element, lane);
+      old = b_.CreateExtractValue(b_.CreateAtomicCmpXchg(at, expected, value, natural, kOrder, kOrder), 0);
+    } else {
+      old = b_.CreateAtomicRMW(rmw_op(inst.atomic_op()), at, value, natural, kOrder);
+    }
+    slot_store(results, old, lane);
+  });
+  return b_.CreateLoad(type, results);
+}
+
+}  // namespace pineda::jit

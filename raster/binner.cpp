@@ -1,0 +1,68 @@
+#include "raster/binner.h"
+
+#include "raster/coverage.h"
+
+namespace pineda::raster {
+
+void Binner::begin(const TileGrid& grid) {
+  grid_ = &grid;
+  if (tiles_.size() < grid.count()) tiles_.resize(grid.count());  // entries are always left in their initial state
+  touched_.clear();
+  pairs_.clear();
+}
+
+inline void Binner::push(const Draw& draw, uint32_t tile, uint32_t index, bool covers) {
+  PerTile& t = tiles_[tile];
+  if (t.count == 0) touched_.push_back(tile);
+  ++t.count;
+  if (covers && draw.can_cover && !t.blocks_cover) t.cover = t.count;
+  t.blocks_cover |= draw.blocks_cover;
+  pairs_.push_back({tile, index | (covers ? kEntryCovers : 0)});
+}
+
+void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds) {
+  const uint32_t shift = grid_->shift;
+  const uint32_t x0 = static_cast<uint32_t>(bounds.x0) >> shift, x1 = static_cast<uint32_t>(bounds.x1 - 1) >> shift;
+  const uint32_t y0 = static_cast<uint32_t>(bounds.y0) >> shift, y1 = static_cast<uint32_t>(bounds.y1 - 1) >> shift;
+  if (x0 == x1 && y0 == y1) {  // nearly all triangles; a cover inside one tile is not worth finding
+    push(draw, y0 * grid_->columns + x0, index, false);
+    return;
+  }
+  for (uint32_t y = y0; y <= y1; ++y) {
+    for (uint32_t x = x0; x <= x1; ++x) {
+      TileEdges edges;
+      const TileCover cover = make_tile_edges(triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift), grid_->tile_px, edges);
+      if (cover == TileCover::kNone) continue;
+      const uint32_t tile = y * grid_->columns + x;
+      push(draw, tile, index, cover == TileCover::kFull && draw.rect.contains(grid_->rect(tile)));
+    }
+  }
+}
+
+void Binner::add_rect(const Draw& draw, uint32_t index, const Rect& bounds) {
+  const uint32_t shift = grid_->shift;
+  for (uint32_t y = static_cast<uint32_t>(bounds.y0) >> shift; y <= static_cast<uint32_t>(bounds.y1 - 1) >> shift; ++y) {
+    for (uint32_t x = static_cast<uint32_t>(bounds.x0) >> shift; x <= static_cast<uint32_t>(bounds.x1 - 1) >> shift; ++x) {
+      push(draw, y * grid_->columns + x, index, false);
+    }
+  }
+}
+
+void Binner::finish(Chunk& chunk) {
+  Segment* segments = chunk.segments.append(touched_.size());
+  uint32_t first = 0;
+  for (size_t i = 0; i < touched_.size(); ++i) {
+    PerTile& t = tiles_[touched_[i]];
+    segments[i] = {nullptr, &chunk, touched_[i], first, t.count, t.cover, t.blocks_cover};
+    const uint32_t count = t.count;
+    t.count = first;
+    first += count;
+  }
+  uint32_t* entries = chunk.entries.append(pairs_.size());
+  for (size_t i = 0; i < pairs_.size(); ++i) entries[tiles_[pairs_[i].tile].count++] = pairs_[i].entry;
+  for (const uint32_t tile : touched_) tiles_[tile] = {};
+  touched_.clear();
+  pairs_.clear();
+}
+
+}  // namespace pineda::raster

@@ -1,0 +1,146 @@
+#include "raster/coverage.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#else
+#error "coverage has an x86-64 implementation only"
+#endif
+
+namespace pineda::raster {
+
+TileCover make_tile_edges(const Triangle& tri, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges) {
+  const int64_t x_fx8 = int64_t{tile_x_px} * kSubpixels + kSubpixels / 2;  // centre of the tile's first pixel
+  const int64_t y_fx8 = int64_t{tile_y_px} * kSubpixels + kSubpixels / 2;
+  const int64_t area = int64_t{tri.x_fx8[1] - tri.x_fx8[0]} * (tri.y_fx8[2] - tri.y_fx8[0]) -
+                       int64_t{tri.y_fx8[1] - tri.y_fx8[0]} * (tri.x_fx8[2] - tri.x_fx8[0]);
+  const int32_t sign = area < 0 ? -1 : 1;
+  bool full = true;
+  for (int k = 0; k < 3; ++k) {
+    const int n = k == 2 ? 0 : k + 1;
+    const int32_t a = sign * (tri.y_fx8[k] - tri.y_fx8[n]), b = sign * (tri.x_fx8[n] - tri.x_fx8[k]);
+    const bool top_left = a > 0 || (a == 0 && b > 0);
+    const int64_t e = a * (x_fx8 - tri.x_fx8[k]) + b * (y_fx8 - tri.y_fx8[k]) - (top_left ? 0 : 1);
+    const int64_t c = e >> 8;
+    const int64_t last = size_px - 1;
+    const int64_t highest = c + last * (std::max(a, 0) + std::max(b, 0));
+    const int64_t lowest = c + last * (std::min(a, 0) + std::min(b, 0));
+    if (highest < 0) return TileCover::kNone;
+    const bool holds = lowest >= 0;
+    full &= holds;
+    edges.a[k] = holds ? 0 : a;
+    edges.b[k] = holds ? 0 : b;
+    edges.c[k] = holds ? 0 : static_cast<int32_t>(c);
+  }
+  return full ? TileCover::kFull : TileCover::kPartial;
+}
+
+uint32_t rect_lanes(const Rect& rect, int32_t x_px, int32_t y_px) {
+  constexpr uint16_t kColumnsBelow[5] = {0, 0x0505, 0x0F0F, 0x5F5F, 0xFFFF};
+  constexpr uint16_t kRowsBelow[5] = {0, 0x0033, 0x00FF, 0x33FF, 0xFFFF};
+  const auto cut = [](int32_t v) { return std::clamp(v, 0, 4); };
+  return kColumnsBelow[cut(rect.x1 - x_px)] & ~kColumnsBelow[cut(rect.x0 - x_px)] & kRowsBelow[cut(rect.y1 - y_px)] &
+         ~kRowsBelow[cut(rect.y0 - y_px)];
+}
+
+namespace {
+
+namespace sse42 {
+struct V16 {
+  __m128i q[4];  // one quad of lanes each
+};
+inline V16 splat(int32_t v) {
+  const __m128i q = _mm_set1_epi32(v);
+  return {{q, q, q, q}};
+}
+inline V16 lane_offsets(int32_t a, int32_t b) {
+  const __m128i quad = _mm_set_epi32(static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b)), b, a, 0);
+  const __m128i right = _mm_slli_epi32(_mm_set1_epi32(a), 1), down = _mm_slli_epi32(_mm_set1_epi32(b), 1);
+  const __m128i below = _mm_add_epi32(quad, down);
+  return {{quad, _mm_add_epi32(quad, right), below, _mm_add_epi32(below, right)}};
+}
+template <int kScale>
+inline V16 scale(const V16& v) {
+  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
+  return {{_mm_slli_epi32(v.q[0], kShift), _mm_slli_epi32(v.q[1], kShift), _mm_slli_epi32(v.q[2], kShift), _mm_slli_epi32(v.q[3], kShift)}};
+}
+inline V16 add(const V16& x, const V16& y) {
+  return {{_mm_add_epi32(x.q[0], y.q[0]), _mm_add_epi32(x.q[1], y.q[1]), _mm_add_epi32(x.q[2], y.q[2]), _mm_add_epi32(x.q[3], y.q[3])}};
+}
+inline V16 either(const V16& x, const V16& y) {
+  return {{_mm_or_si128(x.q[0], y.q[0]), _mm_or_si128(x.q[1], y.q[1]), _mm_or_si128(x.q[2], y.q[2]), _mm_or_si128(x.q[3], y.q[3])}};
+}
+inline uint32_t sign_mask(const V16& v) {  // saturating packs keep signs
+  return static_cast<uint32_t>(
+      _mm_movemask_epi8(_mm_packs_epi16(_mm_packs_epi32(v.q[0], v.q[1]), _mm_packs_epi32(v.q[2], v.q[3]))));
+}
+#include "raster/coverage_impl.inc"
+}  // namespace sse42
+
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+struct V16 {
+  __m256i h[2];
+};
+inline V16 splat(int32_t v) {
+  const __m256i h = _mm256_set1_epi32(v);
+  return {{h, h}};
+}
+inline V16 lane_offsets(int32_t a, int32_t b) {
+  const int32_t ab = static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
+  const __m128i quad = _mm_set_epi32(ab, b, a, 0);
+  const __m128i right = _mm_add_epi32(quad, _mm_slli_epi32(_mm_set1_epi32(a), 1));
+  const __m256i top = _mm256_inserti128_si256(_mm256_castsi128_si256(quad), right, 1);
+  return {{top, _mm256_add_epi32(top, _mm256_slli_epi32(_mm256_set1_epi32(b), 1))}};
+}
+template <int kScale>
+inline V16 scale(const V16& v) {
+  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
+  return {{_mm256_slli_epi32(v.h[0], kShift), _mm256_slli_epi32(v.h[1], kShift)}};
+}
+inline V16 add(const V16& x, const V16& y) { return {{_mm256_add_epi32(x.h[0], y.h[0]), _mm256_add_epi32(x.h[1], y.h[1])}}; }
+inline V16 either(const V16& x, const V16& y) { return {{_mm256_or_si256(x.h[0], y.h[0]), _mm256_or_si256(x.h[1], y.h[1])}}; }
+inline uint32_t sign_mask(const V16& v) {
+  return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[0]))) |
+         static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[1]))) << 8;
+}
+#include "raster/coverage_impl.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx2")
+namespace avx512 {
+struct V16 {
+  __m512i v;
+};
+inline V16 splat(int32_t v) { return {_mm512_set1_epi32(v)}; }
+inline V16 lane_offsets(int32_t a, int32_t b) {
+  const __m512i x = _mm512_set_epi32(3, 2, 3, 2, 1, 0, 1, 0, 3, 2, 3, 2, 1, 0, 1, 0);
+  const __m512i y = _mm512_set_epi32(3, 3, 2, 2, 3, 3, 2, 2, 1, 1, 0, 0, 1, 1, 0, 0);
+  return {_mm512_add_epi32(_mm512_mullo_epi32(_mm512_set1_epi32(a), x), _mm512_mullo_epi32(_mm512_set1_epi32(b), y))};
+}
+template <int kScale>
+inline V16 scale(const V16& v) {
+  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
+  return {_mm512_maskz_slli_epi32(0xFFFF, v.v, kShift)};  // unmasked, GCC 12 warns about its own header
+}
+inline V16 add(const V16& x, const V16& y) { return {_mm512_add_epi32(x.v, y.v)}; }
+inline V16 either(const V16& x, const V16& y) { return {_mm512_or_si512(x.v, y.v)}; }
+inline uint32_t sign_mask(const V16& v) { return _mm512_movepi32_mask(v.v); }
+#include "raster/coverage_impl.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+
+}  // namespace
+
+CoverFn cover_function(Isa isa) {
+  switch (isa) {
+    case Isa::kAvx512: return avx512::cover;
+    case Isa::kAvx2: return avx2::cover;
+    case Isa::kSse42: return sse42::cover;
+  }
+  return sse42::cover;
+}
+
+}  // namespace pineda::raster

@@ -1,0 +1,51 @@
+// The geometry phase: one chunk of primitives -> shaded vertices -> clipped, culled, set-up triangles -> entries by tile.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "raster/binner.h"
+#include "raster/clip.h"
+#include "raster/geometry_types.h"
+#include "raster/vertex_batch.h"
+
+namespace pineda::raster {
+
+// One thread's geometry. Reused from chunk to chunk.
+class GeometryWorker {
+ public:
+  // Runs the ranges into `chunk`, which is empty. Returns how many primitives of the concatenated ranges were done: fewer than all when the
+  // chunk has become too large (huge triangles over many tiles).
+  uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, Chunk& chunk);
+
+  PassStatistics statistics{};
+
+ private:
+  void run_batch(const Draw& draw, uint64_t first, uint32_t count);
+  void run_clear(const Draw& draw, uint64_t first, uint32_t count);
+  void clip_triangle(const Draw& draw, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
+  void begin_clip_batch(const Draw& draw);
+
+  // Vertices of the current batch in window space, and its number.
+  struct BatchView {
+    const WindowVertices* window;
+    uint32_t batch;
+  };
+  // Culls, fills a record and bins it. `facing`: 0 or the sign that the triangle's area must have (pieces of a clipped triangle).
+  void setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking, int facing);
+
+  Chunk* chunk_ = nullptr;
+  Binner binner_;
+  VertexBatch batch_;
+  Clipper clipper_;
+  ThreadContext context_{};
+  uint32_t current_batch_ = 0;
+  // Clipped triangles keep their vertices in batches of their own, filled bit by bit.
+  static constexpr uint32_t kClipBatchVertices = 512;
+  const Draw* clip_draw_ = nullptr;
+  float* clip_vertices_ = nullptr;
+  uint32_t clip_used_ = 0, clip_batch_ = 0;
+  WindowVertices clip_window_;
+};
+
+}  // namespace pineda::raster

@@ -1,0 +1,223 @@
+// What geometry hands to the tiles: triangles, batches, chunks and the draws they came from.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "raster/raster.h"
+
+namespace pineda::raster {
+
+// ---- fixed point ----------------------------------------------------------------------------------------------------------
+// Window coordinates are snapped to 1/256 px (subPixelPrecisionBits = 8), "fx8". A vertex that reaches setup lies inside the guard band, so
+// the difference of two coordinates stays below 49154 px * 256 < 2^23.6; coverage.h builds its overflow proof on that.
+inline constexpr int32_t kSubpixels = 256;
+inline constexpr float kGuardMinPx = -16384, kGuardMaxPx = 32768;
+inline constexpr int32_t kMinFx8 = (-16384 - 1) * kSubpixels;  // one pixel of slack for the rounding of clipped coordinates
+inline constexpr int32_t kMaxFx8 = (32768 + 1) * kSubpixels;
+
+struct Rect {  // half open, px
+  int32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  bool contains(const Rect& r) const { return x0 <= r.x0 && y0 <= r.y0 && x1 >= r.x1 && y1 >= r.y1; }
+  bool operator==(const Rect&) const = default;
+};
+
+inline Rect intersect(const Rect& a, const Rect& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+inline Rect to_rect(const VkRect2D& r) {
+  static constexpr int64_t kLimit = 1 << 20;  // larger than any framebuffer
+  const auto clamp = [](int64_t v) { return static_cast<int32_t>(std::clamp<int64_t>(v, -kLimit, kLimit)); };
+  return {clamp(r.offset.x), clamp(r.offset.y), clamp(int64_t{r.offset.x} + r.extent.width), clamp(int64_t{r.offset.y} + r.extent.height)};
+}
+
+// ---- memory ---------------------------------------------------------------------------------------------------------------
+
+// A growing array of plain data that leaves new elements uninitialised and keeps its memory when cleared.
+template <class T>
+class PodBuffer {
+ public:
+  T* data() { return data_.get(); }
+  const T* data() const { return data_.get(); }
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T& operator[](size_t i) { return data_.get()[i]; }
+  const T& operator[](size_t i) const { return data_.get()[i]; }
+  size_t capacity_bytes() const { return capacity_ * sizeof(T); }
+  void clear() { size_ = 0; }
+  void push_back(const T& value) {
+    if (size_ == capacity_) grow(size_ + 1);
+    data_.get()[size_++] = value;
+  }
+  T* append(size_t n) {
+    if (size_ + n > capacity_) grow(size_ + n);
+    T* first = data_.get() + size_;
+    size_ += n;
+    return first;
+  }
+
+ private:
+  static_assert(std::is_trivially_copyable_v<T>);
+  static constexpr size_t kAlignment = 64;
+  struct Free {
+    void operator()(T* p) const { std::free(p); }
+  };
+  void grow(size_t wanted) {
+    const size_t capacity = std::max({wanted, capacity_ * 2, size_t{64}});
+    const size_t bytes = (capacity * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+    std::unique_ptr<T, Free> grown(static_cast<T*>(std::aligned_alloc(kAlignment, bytes)));
+    if (!grown) std::abort();  // as operator new would, without exceptions
+    if (size_ != 0) std::memcpy(static_cast<void*>(grown.get()), data_.get(), size_ * sizeof(T));
+    data_ = std::move(grown);
+    capacity_ = capacity;
+  }
+  std::unique_ptr<T, Free> data_;
+  size_t size_ = 0, capacity_ = 0;
+};
+
+// Memory whose addresses stay valid until reset(); blocks are kept for the next use.
+class Arena {
+ public:
+  static constexpr size_t kAlignment = 64;
+  void* allocate(size_t bytes) {
+    bytes = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    while (block_ < blocks_.size() && used_ + bytes > blocks_[block_].bytes) {
+      ++block_;
+      used_ = 0;
+    }
+    if (block_ == blocks_.size()) {
+      const size_t size = std::max(bytes, kBlockBytes);
+      blocks_.push_back({std::unique_ptr<uint8_t, Free>(static_cast<uint8_t*>(std::aligned_alloc(kAlignment, size))), size});
+      if (!blocks_.back().memory) std::abort();
+      capacity_bytes_ += size;
+    }
+    void* memory = blocks_[block_].memory.get() + used_;
+    used_ += bytes;
+    used_bytes_ += bytes;
+    return memory;
+  }
+  void reset() { block_ = used_ = used_bytes_ = 0; }
+  size_t used_bytes() const { return used_bytes_; }
+  size_t capacity_bytes() const { return capacity_bytes_; }
+
+ private:
+  static constexpr size_t kBlockBytes = 256 << 10;
+  struct Free {
+    void operator()(uint8_t* p) const { std::free(p); }
+  };
+  struct Block {
+    std::unique_ptr<uint8_t, Free> memory;
+    size_t bytes;
+  };
+  std::vector<Block> blocks_;
+  size_t block_ = 0, used_ = 0, used_bytes_ = 0, capacity_bytes_ = 0;
+};
+
+// ---- draws ----------------------------------------------------------------------------------------------------------------
+
+// Viewport transform (Vulkan 1.3, "Controlling the Viewport") with the x and y scale in fx8, and the guard band in clip space.
+struct ViewportTransform {
+  float scale_x_fx8, offset_x_fx8, scale_y_fx8, offset_y_fx8;
+  float scale_z, offset_z;
+  float guard_x_min, guard_x_max, guard_y_min, guard_y_max;  // in normalised device coordinates: inside when min * w <= x <= max * w
+  bool clip_depth;                                           // 0 <= z <= w; off with depth clamp
+};
+ViewportTransform make_viewport_transform(const VkViewport& viewport, bool depth_clamp);
+
+// How a draw's depth test bounds what it can pass.
+enum class HiZMode : uint8_t { kNone, kLess, kGreater };
+
+struct Draw {
+  DrawPacket packet;
+  ViewportTransform viewport;
+  Rect rect;                       // pixels that may be drawn: scissor, render area, framebuffer
+  uint64_t prims_per_instance = 0;
+  std::vector<std::array<uint32_t, 3>> restart_prims;  // positions in the index buffer of each primitive, when restart is on
+  HiZMode hi_z = HiZMode::kNone;
+  VkFormat depth_format = VK_FORMAT_UNDEFINED;  // of the pass, for depth bias
+  bool writes_depth = false;
+  bool keeps_less = true, keeps_greater = true;  // its depth writes only lower (raise) what is stored
+  bool can_cover = false;          // a full cover of a tile makes earlier work invisible
+  bool blocks_cover = false;       // its work is visible whatever comes later (side effects, depth)
+  // vkCmdClearAttachments instead of a draw
+  bool is_clear = false;
+  uint32_t clear_attachment = 0;
+  std::array<uint8_t, 16> clear_texel{};
+  std::vector<Rect> clear_rects;
+};
+
+// ---- geometry's output ----------------------------------------------------------------------------------------------------
+
+// Triangles of one draw whose vertices lie in one block of memory. Vertex v is lane v % 16 of wave v / 16.
+struct Batch {
+  const Draw* draw;
+  const float* vertices;
+};
+
+// One triangle, one cache line. Vertex 0 is the origin of interpolation (and, unless clipped away, the provoking vertex). Planes and edges
+// are formed from it in the tiles that really draw it.
+struct alignas(64) Triangle {
+  int32_t x_fx8[3], y_fx8[3];
+  float z0, dz1, dz2;       // window depth of vertex 0 with bias; differences without
+  float iw[3];              // 1 / w
+  uint32_t primitive_id;
+  uint32_t batch;           // in the chunk
+  uint16_t vertex[3];       // in the batch
+  uint16_t provoking : 15;  // in the batch
+  uint16_t front : 1;
+};
+static_assert(sizeof(Triangle) == 64);
+
+// The triangles of one chunk that touch one tile.
+struct Chunk;
+struct Segment {
+  Segment* next;
+  const Chunk* chunk;
+  uint32_t tile;
+  uint32_t first, count;   // in Chunk::entries
+  uint32_t cover;          // 1 + position in the segment of the last cover that makes everything before it invisible; 0: none
+  bool blocks_cover;
+};
+
+inline constexpr uint32_t kEntryCovers = 1u << 31;  // the triangle covers the whole tile; the other bits are its index in Chunk::triangles
+
+// A fixed amount of primitives, in API order: what one geometry job makes.
+struct Chunk {
+  Arena vertices;
+  PodBuffer<Triangle> triangles;
+  PodBuffer<Batch> batches;
+  PodBuffer<uint32_t> entries;
+  PodBuffer<Segment> segments;
+
+  void reset() {
+    vertices.reset();
+    triangles.clear();
+    batches.clear();
+    entries.clear();
+    segments.clear();
+  }
+  size_t used_bytes() const {
+    return vertices.used_bytes() + triangles.size() * sizeof(Triangle) + batches.size() * sizeof(Batch) + entries.size() * 4 +
+           segments.size() * sizeof(Segment);
+  }
+  size_t capacity_bytes() const {
+    return vertices.capacity_bytes() + triangles.capacity_bytes() + batches.capacity_bytes() + entries.capacity_bytes() +
+           segments.capacity_bytes();
+  }
+};
+
+// Primitives [first, first + count) of a draw, counted through its instances.
+struct PrimRange {
+  const Draw* draw;
+  uint64_t first;
+  uint32_t count;
+};
+
+}  // namespace pineda::raster

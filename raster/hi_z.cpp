@@ -1,0 +1,142 @@
+#include "raster/hi_z.h"
+
+#include <cmath>
+#include <limits>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#else
+#error "Hi-Z has an x86-64 implementation only"
+#endif
+
+namespace pineda::raster {
+namespace {
+
+constexpr float kMargin = 0x1p-19f;      // twice the bound of the header, and its own rounding
+constexpr float kFixedPointMargin = 4;   // steps of a fixed-point depth: rounding to it, by the kernel and here
+
+// Largest of 16 numbers; NaN count for nothing (no comparison with them passes).
+float largest(const float* v, bool negate) {
+  const __m128 sign = negate ? _mm_set1_ps(-0.0f) : _mm_setzero_ps();
+  __m128 m = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+  for (int i = 0; i < 16; i += 4) m = _mm_max_ps(_mm_xor_ps(_mm_load_ps(v + i), sign), m);  // maxps gives its second operand for NaN
+  m = _mm_max_ps(m, _mm_movehl_ps(m, m));
+  m = _mm_max_ss(m, _mm_shuffle_ps(m, m, 1));
+  return _mm_cvtss_f32(m);
+}
+
+template <class T>
+float largest_fixed(const uint8_t* block, uint32_t bits, bool negate) {
+  const uint32_t all = (1u << bits) - 1;
+  uint32_t low = all, high = 0;
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    T v;
+    std::memcpy(&v, block + i * sizeof(T), sizeof(T));
+    low = std::min(low, v & all);
+    high = std::max(high, v & all);
+  }
+  const float value = negate ? -static_cast<float>(low) : static_cast<float>(high);
+  return (value + kFixedPointMargin) / static_cast<float>(all);
+}
+
+uint32_t depth_bytes(VkFormat format) { return format == VK_FORMAT_D16_UNORM ? 2 : 4; }
+
+}  // namespace
+
+bool hi_z_supports(VkFormat format) {
+  return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM || format == VK_FORMAT_X8_D24_UNORM_PACK32;
+}
+
+TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
+  const float sign = draw.hi_z == HiZMode::kGreater ? -1.0f : 1.0f;
+  const auto size = static_cast<float>(tile.size_px);
+  const float x = static_cast<float>(tile.x_px) + 0.5f - prim.x0_px, y = static_cast<float>(tile.y_px) + 0.5f - prim.y0_px;
+  const float far_x = std::max(std::fabs(x), std::fabs(x + size - 1)), far_y = std::max(std::fabs(y), std::fabs(y + size - 1));
+  const float dz1 = sign * prim.dz1, dz2 = sign * prim.dz2, z0 = sign * prim.z0;
+  const float s1 = std::fabs(prim.l1_dx) * far_x + std::fabs(prim.l1_dy) * far_y;
+  const float s2 = std::fabs(prim.l2_dx) * far_x + std::fabs(prim.l2_dy) * far_y;
+  const float margin = kMargin * (std::fabs(z0) + (1 + s1) * std::fabs(dz1) + (1 + s2) * std::fabs(dz2));
+  const float zx = prim.l1_dx * dz1 + prim.l2_dx * dz2, zy = prim.l1_dy * dz1 + prim.l2_dy * dz2;
+  constexpr float kLast = kBlockDim - 1;  // from a block's first pixel to its least corner
+  TriangleDepth depth;
+  depth.least = std::min(z0, std::min(z0 + dz1, z0 + dz2)) - margin;
+  depth.at_origin = z0 + zx * x + zy * y + kLast * (std::min(zx, 0.0f) + std::min(zy, 0.0f)) - margin;
+  depth.dx_block = zx * kBlockDim;
+  depth.dy_block = zy * kBlockDim;
+  const VkViewport& v = draw.packet.viewport;
+  depth.ceiling = sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
+  return depth;
+}
+
+void HiZ::begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, bool uniform) {
+  format_ = format;
+  depth_ = depth_buffer;
+  macros_ = static_cast<uint32_t>(size_px * size_px) / 256;
+  uniform_ = uniform;
+  direction_ = HiZMode::kNone;
+}
+
+void HiZ::forget() {
+  direction_ = HiZMode::kNone;
+  uniform_ = false;
+}
+
+void HiZ::begin_draw(const Draw& draw) {
+  if (draw.writes_depth) {
+    if ((direction_ == HiZMode::kLess && !draw.keeps_less) || (direction_ == HiZMode::kGreater && !draw.keeps_greater)) {
+      direction_ = HiZMode::kNone;
+    }
+  }
+  const bool was_uniform = uniform_;
+  uniform_ &= !draw.writes_depth;
+  if (draw.hi_z == HiZMode::kNone || draw.hi_z == direction_) return;
+  direction_ = draw.hi_z;
+  std::fill_n(queued_, macros_, uint16_t{0});
+  std::fill_n(stale_, macros_, was_uniform ? uint16_t{0} : uint16_t{0xFFFF});
+  if (was_uniform) {
+    refresh(0);
+    std::fill_n(farthest_, macros_ * kLanes, farthest_[0]);
+  } else {
+    std::fill_n(farthest_, macros_ * kLanes, std::numeric_limits<float>::infinity());
+  }
+}
+
+void HiZ::flushed() {
+  if (direction_ == HiZMode::kNone) return;
+  for (uint32_t i = 0; i < macros_; ++i) {
+    stale_[i] |= queued_[i];
+    queued_[i] = 0;
+  }
+}
+
+void HiZ::refresh(uint32_t block) {
+  const uint8_t* texels = depth_ + block * kLanes * depth_bytes(format_);
+  const bool negate = direction_ == HiZMode::kGreater;
+  switch (format_) {
+    case VK_FORMAT_D32_SFLOAT: farthest_[block] = largest(reinterpret_cast<const float*>(texels), negate); break;
+    case VK_FORMAT_D16_UNORM: farthest_[block] = largest_fixed<uint16_t>(texels, 16, negate); break;
+    default: farthest_[block] = largest_fixed<uint32_t>(texels, 24, negate); break;
+  }
+}
+
+uint32_t HiZ::survivors(uint32_t macro, uint32_t wanted, const TriangleDepth& depth) {
+  for (uint32_t left = stale_[macro] & wanted; left != 0; left &= left - 1) {
+    refresh(macro * kLanes + static_cast<uint32_t>(__builtin_ctz(left)));
+  }
+  stale_[macro] &= static_cast<uint16_t>(~wanted);
+  const auto bx = static_cast<float>(morton_x(macro) * 4), by = static_cast<float>(morton_y(macro) * 4);
+  const __m128 base = _mm_set1_ps(depth.at_origin + bx * depth.dx_block + by * depth.dy_block);
+  const __m128 dx = _mm_set1_ps(depth.dx_block), dy = _mm_set1_ps(depth.dy_block);
+  const __m128 least = _mm_set1_ps(depth.least), ceiling = _mm_set1_ps(depth.ceiling);
+  uint32_t hidden = 0;
+  for (int q = 0; q < 4; ++q) {
+    const auto qx = static_cast<float>(2 * (q & 1)), qy = static_cast<float>(q & 2);
+    const __m128 x = _mm_add_ps(_mm_set_ps(1, 0, 1, 0), _mm_set1_ps(qx)), y = _mm_add_ps(_mm_set_ps(1, 1, 0, 0), _mm_set1_ps(qy));
+    const __m128 plane = _mm_add_ps(base, _mm_add_ps(_mm_mul_ps(dx, x), _mm_mul_ps(dy, y)));
+    const __m128 nearest = _mm_min_ps(ceiling, _mm_max_ps(plane, least));  // a NaN goes through and hides nothing
+    hidden |= static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpgt_ps(nearest, _mm_load_ps(farthest_ + macro * kLanes + q * 4)))) << 4 * q;
+  }
+  return wanted & ~hidden;
+}
+
+}  // namespace pineda::raster

@@ -1,0 +1,58 @@
+// Hi-Z of one tile: for every 4x4 block a bound of the depths stored in it, so that blocks whose every fragment must fail the depth test are left
+// out before shading.
+//
+// Why no bit can change: a block's bound is formed from the depth buffer itself and stays true while writes only move depths away from it (LESS
+// writes only lower them), also for waves that are still queued; before a draw that could move them the other way the tile forgets
+// its bounds. The triangle's side of the comparison has a margin for the rounding of the kernel's own
+// z = z0 + l1 * dz1 + l2 * dz2: with S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below
+// 8 * 2^-24 * (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|); the plane below has as many again.
+#pragma once
+
+#include <cstdint>
+
+#include "raster/coverage.h"
+#include "raster/geometry_types.h"
+#include "raster/tile_buffer.h"
+
+namespace pineda::raster {
+
+bool hi_z_supports(VkFormat depth_format);
+
+// A triangle's depth over a tile: every fragment of block (bx, by) has at least min(ceiling, max(least, at_origin + bx * dx + by * dy)).
+// Depths are negated when the test asks for greater ones.
+struct TriangleDepth {
+  float least;
+  float at_origin, dx_block, dy_block;
+  float ceiling;  // clamping may lower a depth to this
+};
+TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile);
+
+class HiZ {
+ public:
+  // `uniform`: every depth of the buffer is the same (a cleared tile).
+  void begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, bool uniform);
+  // Before the first triangle of a draw; no wave may be queued.
+  void begin_draw(const Draw& draw);
+  // After the depth buffer was changed by something else than a wave.
+  void forget();
+  // A wave that may write the block's depth was queued; all queued waves have run.
+  void queued(uint32_t block) { queued_[block / kLanes] |= static_cast<uint16_t>(1u << block % kLanes); }
+  void flushed();
+
+  // Of the blocks `wanted` of macro block `macro`, those that may have a fragment that passes.
+  uint32_t survivors(uint32_t macro, uint32_t wanted, const TriangleDepth& depth);
+
+ private:
+  static constexpr uint32_t kMacros = kMaxTileBlocks / kLanes;
+  void refresh(uint32_t block);
+
+  VkFormat format_ = VK_FORMAT_UNDEFINED;
+  const uint8_t* depth_ = nullptr;
+  uint32_t macros_ = 0;
+  bool uniform_ = false;
+  HiZMode direction_ = HiZMode::kNone;   // which way farthest_ bounds
+  uint16_t queued_[kMacros] = {}, stale_[kMacros] = {};
+  alignas(64) float farthest_[kMaxTileBlocks];  // kLess: at least every depth of the block; kGreater: at least every negated depth
+};
+
+}  // namespace pineda::raster

@@ -1,0 +1,44 @@
+#include "raster/index_reader.h"
+
+#include <algorithm>
+
+namespace pineda::raster {
+namespace {
+
+uint32_t index_shift(VkIndexType type) {
+  switch (type) {
+    case VK_INDEX_TYPE_UINT8_EXT: return 0;
+    case VK_INDEX_TYPE_UINT16: return 1;
+    default: return 2;
+  }
+}
+
+template <class T>
+void widen(const uint8_t* data, uint32_t count, uint32_t* out) {
+  for (uint32_t i = 0; i < count; ++i) {
+    T index;
+    std::memcpy(&index, data + i * sizeof(T), sizeof(T));
+    out[i] = index;
+  }
+}
+
+}  // namespace
+
+IndexReader::IndexReader(const IndexBuffer& buffer)
+    : data_(buffer.address),
+      count_(buffer.size_bytes >> index_shift(buffer.type)),
+      shift_(index_shift(buffer.type)),
+      restart_value_(shift_ == 2 ? ~0u : (1u << (8u << shift_)) - 1) {}
+
+void IndexReader::read(uint64_t first, uint32_t count, uint32_t* out) const {
+  const auto inside = static_cast<uint32_t>(first >= count_ ? 0 : std::min<uint64_t>(count, count_ - first));
+  const uint8_t* data = data_ + (inside != 0 ? first << shift_ : 0);
+  switch (shift_) {
+    case 0: widen<uint8_t>(data, inside, out); break;
+    case 1: widen<uint16_t>(data, inside, out); break;
+    default: widen<uint32_t>(data, inside, out); break;
+  }
+  std::fill(out + inside, out + count, 0u);
+}
+
+}  // namespace pineda::raster

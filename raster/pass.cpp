@@ -1,0 +1,190 @@
+// Pass: what a pass records. schedule.cpp runs it.
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include "base/format.h"
+#include "base/log.h"
+#include "raster/assemble.h"
+#include "raster/raster.h"
+#include "raster/pass_state.h"
+
+namespace pineda::raster {
+namespace {
+
+constexpr int32_t kMaxExtentPx = 16384;           // geometry_types.h's fixed point is made for this
+constexpr size_t kMaxRecordedDraws = 32768;       // then the pass runs what it has
+constexpr uint64_t kSmallTargetPx = 96 * 96;      // not worth splitting further
+constexpr uint32_t kTileBudgetBytes = 256 << 10;  // about half of an L2
+
+PassAttachment make_attachment(const Attachment& in, const std::array<uint8_t, 16>& clear_texel) {
+  PassAttachment a;
+  const uint32_t bytes = texel_bytes(in.format);
+  if (!in.address || in.format == VK_FORMAT_UNDEFINED) return a;
+  if (bytes != 1 && bytes != 2 && bytes != 4 && bytes != 8 && bytes != 16) {
+    report(Severity::kError, "raster: attachment format " + std::to_string(in.format) + " cannot be rendered to; the attachment is left alone");
+    return a;
+  }
+  a.address = in.address;
+  a.row_pitch_bytes = in.row_pitch_bytes;
+  a.texel_bytes = bytes;
+  a.format = in.format;
+  a.load = in.load != VK_ATTACHMENT_LOAD_OP_CLEAR && in.load != VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  a.store = in.store == VK_ATTACHMENT_STORE_OP_STORE;
+  if (in.load == VK_ATTACHMENT_LOAD_OP_CLEAR) a.clear_texel = clear_texel;
+  return a;
+}
+
+std::array<uint8_t, 16> pack_clear(VkFormat format, const VkClearValue& value, bool is_depth) {
+  std::array<uint8_t, 16> texel{};
+  const FormatInfo* info = find_format(format);
+  if (!info) return texel;
+  if (is_depth) {
+    pack_depth(*info, value.depthStencil.depth, texel.data());
+  } else {
+    pack_clear_color(*info, value.color, texel.data());
+  }
+  return texel;
+}
+
+// The largest tile whose attachments fit half an L2 and that still gives every thread some tiles.
+uint32_t choose_tile_px(const Options& options, uint32_t bytes_per_px, const Rect& area, uint32_t threads) {
+  if (options.tile_px != 0) return options.tile_px;
+  uint32_t px = kMaxTilePx;
+  while (px > 16 && px * px * bytes_per_px > kTileBudgetBytes) px /= 2;
+  if (area.empty() || threads == 1) return px;
+  const auto width = static_cast<uint32_t>(area.x1 - area.x0), height = static_cast<uint32_t>(area.y1 - area.y0);
+  if (uint64_t{width} * height <= kSmallTargetPx) return px;
+  while (px > 16 && ((width + px - 1) / px) * ((height + px - 1) / px) < 4 * threads) px /= 2;
+  return px;
+}
+
+HiZMode hi_z_mode(const DrawPacket& packet) {
+  if (!packet.depth_test || !packet.early_depth) return HiZMode::kNone;
+  switch (packet.depth_compare) {
+    case VK_COMPARE_OP_LESS:
+    case VK_COMPARE_OP_LESS_OR_EQUAL: return HiZMode::kLess;
+    case VK_COMPARE_OP_GREATER:
+    case VK_COMPARE_OP_GREATER_OR_EQUAL: return HiZMode::kGreater;
+    default: return HiZMode::kNone;
+  }
+}
+
+void print_statistics(const PassStatistics& s, const Rect& area) {
+  std::fprintf(stderr,
+               "pineda: pass %dx%d: draws %llu, vertices %llu, triangles in %llu clipped %llu culled %llu binned %llu, bin entries %llu, blocks "
+               "shaded %llu hi-z rejected %llu, tiles touched %llu filled %llu untouched %llu, flushes %llu\n",
+               area.x1 - area.x0, area.y1 - area.y0, static_cast<unsigned long long>(s.draws), static_cast<unsigned long long>(s.vertices_shaded),
+               static_cast<unsigned long long>(s.triangles_in), static_cast<unsigned long long>(s.triangles_clipped),
+               static_cast<unsigned long long>(s.triangles_culled), static_cast<unsigned long long>(s.triangles_binned),
+               static_cast<unsigned long long>(s.bin_entries), static_cast<unsigned long long>(s.blocks_shaded),
+               static_cast<unsigned long long>(s.blocks_hi_z_rejected), static_cast<unsigned long long>(s.tiles_touched),
+               static_cast<unsigned long long>(s.tiles_filled), static_cast<unsigned long long>(s.tiles_untouched),
+               static_cast<unsigned long long>(s.flushes));
+}
+
+}  // namespace
+
+Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options& options)
+    : pool(thread_pool), workspace(acquire_workspace(thread_pool.threads())) {
+  scene.options = options;
+  scene.color_count = std::min(desc.color_count, kMaxColorAttachments);
+  uint32_t bytes_per_px = 0;
+  for (uint32_t i = 0; i < scene.color_count; ++i) {
+    scene.color[i] = make_attachment(desc.color[i], pack_clear(desc.color[i].format, desc.color[i].clear, false));
+    bytes_per_px += scene.color[i].texel_bytes;
+  }
+  scene.depth = make_attachment(desc.depth, pack_clear(desc.depth.format, desc.depth.clear, true));
+  bytes_per_px += scene.depth.texel_bytes;
+  const auto extent = [](uint32_t v) { return static_cast<int32_t>(std::min<uint32_t>(v, kMaxExtentPx)); };
+  TileGrid& grid = scene.grid;
+  grid.area = intersect(to_rect(desc.render_area), {0, 0, extent(desc.extent.width), extent(desc.extent.height)});
+  if (grid.area.empty()) grid.area = {};
+  const uint32_t tile_px = choose_tile_px(options, bytes_per_px, grid.area, thread_pool.threads());
+  grid.tile_px = static_cast<int32_t>(tile_px);
+  grid.shift = static_cast<uint32_t>(__builtin_ctz(tile_px));
+  grid.columns = (static_cast<uint32_t>(grid.area.x1) + tile_px - 1) / tile_px;
+  grid.rows = (static_cast<uint32_t>(grid.area.y1) + tile_px - 1) / tile_px;
+  scene.tiles.swap(workspace->tiles);
+  scene.tiles.assign(grid.count(), {});
+}
+
+void Pass::State::record(const DrawPacket& packet) {
+  const Rect rect = intersect(to_rect(packet.scissor), scene.grid.area);
+  uint64_t vertices = packet.count;
+  if (packet.index.address) {  // triangles of indices past the buffer's end only have no area
+    const uint64_t index_bytes = packet.index.type == VK_INDEX_TYPE_UINT32 ? 4 : packet.index.type == VK_INDEX_TYPE_UINT16 ? 2 : 1;
+    const uint64_t in_buffer = packet.index.size_bytes / index_bytes;
+    vertices = std::min<uint64_t>(vertices, (in_buffer > packet.first ? in_buffer - packet.first : 0) + 3);
+  }
+  if (vertices < 3 || packet.instance_count == 0 || (rect.empty() && !packet.has_side_effects)) return;
+  Draw& draw = workspace->draws.append();
+  draw.packet = packet;
+  draw.packet.count = static_cast<uint32_t>(vertices);
+  if (packet.primitive_restart && packet.index.address) {
+    draw.restart_prims = restart_primitives(draw.packet);
+    draw.prims_per_instance = draw.restart_prims.size();
+  } else {
+    draw.prims_per_instance = primitive_count(packet.topology, vertices);
+  }
+  draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clamp);
+  draw.rect = rect;
+  const bool tests_depth = packet.depth_test && scene.depth.address;
+  draw.depth_format = scene.depth.format;
+  draw.hi_z = tests_depth ? hi_z_mode(packet) : HiZMode::kNone;
+  draw.writes_depth = tests_depth && packet.depth_write;
+  const VkCompareOp op = packet.depth_compare;
+  const bool keeps_all = op == VK_COMPARE_OP_EQUAL || op == VK_COMPARE_OP_NEVER;
+  draw.keeps_less = keeps_all || op == VK_COMPARE_OP_LESS || op == VK_COMPARE_OP_LESS_OR_EQUAL;
+  draw.keeps_greater = keeps_all || op == VK_COMPARE_OP_GREATER || op == VK_COMPARE_OP_GREATER_OR_EQUAL;
+  draw.can_cover = packet.opaque && !packet.has_side_effects && !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
+  draw.blocks_cover = packet.has_side_effects || draw.writes_depth;
+  recorded_prims += draw.prims_per_instance * packet.instance_count;
+}
+
+Pass::Pass(ThreadPool& pool, const PassDesc& desc) : Pass(pool, desc, default_options()) {}
+Pass::Pass(ThreadPool& pool, const PassDesc& desc, const Options& options) : state_(std::make_unique<State>(pool, desc, options)) {}
+Pass::~Pass() = default;
+
+void Pass::draw(const DrawPacket& packet) {
+  ++state_->statistics.draws;
+  if (!is_supported_topology(packet.topology)) {
+    report(Severity::kError, "raster: topology " + std::to_string(packet.topology) + " is not supported; the draw is left out");
+    return;
+  }
+  state_->record(packet);
+  if (state_->workspace->draws.size() >= kMaxRecordedDraws) state_->run_recorded(false);
+}
+
+void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects) {
+  State& s = *state_;
+  const bool is_depth = color_index == kDepth;
+  if (!is_depth && color_index >= s.scene.color_count) return;
+  const PassAttachment& attachment = is_depth ? s.scene.depth : s.scene.color[color_index];
+  if (!attachment.address) return;
+  std::vector<Rect> inside;
+  for (const VkRect2D& rect : rects) {
+    const Rect r = intersect(to_rect(rect), s.scene.grid.area);
+    if (!r.empty()) inside.push_back(r);
+  }
+  if (inside.empty()) return;
+  Draw& draw = s.workspace->draws.append();
+  draw.is_clear = true;
+  draw.rect = s.scene.grid.area;
+  draw.clear_attachment = color_index;
+  draw.clear_texel = pack_clear(attachment.format, value, is_depth);
+  draw.clear_rects = std::move(inside);
+  draw.prims_per_instance = draw.clear_rects.size();
+  draw.packet.instance_count = 1;
+  draw.blocks_cover = is_depth;
+  s.recorded_prims += draw.prims_per_instance;
+}
+
+PassStatistics Pass::end() {
+  State& s = *state_;
+  s.run_recorded(true);
+  if (s.scene.options.print_statistics) print_statistics(s.statistics, s.scene.grid.area);
+  return s.statistics;
+}
+
+}  // namespace pineda::raster

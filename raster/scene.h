@@ -1,0 +1,38 @@
+// What the phases of one pass share: the attachments, the tile grid and the tiles' lists.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "raster/binner.h"
+#include "raster/options.h"
+#include "raster/tile_buffer.h"
+
+namespace pineda::raster {
+
+// One tile between two flushes, and whether its attachments have been in memory yet.
+struct TileState {
+  Segment* head = nullptr;    // in API order
+  Segment* tail = nullptr;
+  uint32_t skip = 0;          // entries of the head segment that a cover made invisible
+  bool covered = false;       // the first entry after `skip` overwrites every colour of the tile
+  bool blocks_cover = false;  // something in the list stays visible under a cover
+  bool in_memory = false;     // an earlier flush stored it: load operations are over
+};
+
+struct Scene {
+  Options options;
+  TileGrid grid;
+  std::array<PassAttachment, kMaxColorAttachments> color{};
+  uint32_t color_count = 0;
+  PassAttachment depth;
+  std::vector<TileState> tiles;
+  bool last_flush = true;     // DONT_CARE stores are left out only here: before, the tile comes back
+
+  // Appends a chunk's segments to the tiles' lists.
+  void commit(Chunk& chunk);
+  void clear_lists();
+};
+
+}  // namespace pineda::raster

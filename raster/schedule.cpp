@@ -1,0 +1,182 @@
+// Runs a pass: geometry in windows of chunks, their ordered commit, and the tiles whenever the bins are full and at the end.
+//
+// Where chunks, windows and flushes begin depends on sizes only to bound memory and balance threads; no result depends on it.
+#include <algorithm>
+#include <utility>
+
+#include "raster/pass_state.h"
+
+namespace pineda::raster {
+namespace {
+
+constexpr uint32_t kMinChunkPrims = 512;
+constexpr size_t kWorstChunkBytes = size_t{2} << 20;  // vertices of a chunk when nothing is shared
+constexpr uint32_t kWindowChunks = 16;     // at least, before memory is looked at
+constexpr uint32_t kDrawCostPrims = 8;     // what starting a draw costs, in primitives
+constexpr uint64_t kSerialPrims = 768;     // less geometry than this is done before a helper wakes up
+constexpr uint64_t kSerialPixels = 64 * 64;  // likewise shading
+constexpr uint64_t kSerialEntries = 512;
+constexpr uint32_t kFillTilesPerJob = 8;
+
+void add_statistics(PassStatistics& sum, const PassStatistics& s) {
+  sum.draws += s.draws;
+  sum.vertices_shaded += s.vertices_shaded;
+  sum.triangles_in += s.triangles_in;
+  sum.triangles_clipped += s.triangles_clipped;
+  sum.triangles_culled += s.triangles_culled;
+  sum.triangles_binned += s.triangles_binned;
+  sum.bin_entries += s.bin_entries;
+  sum.blocks_shaded += s.blocks_shaded;
+  sum.blocks_hi_z_rejected += s.blocks_hi_z_rejected;
+  sum.tiles_touched += s.tiles_touched;
+  sum.tiles_filled += s.tiles_filled;
+  sum.tiles_untouched += s.tiles_untouched;
+  sum.flushes += s.flushes;
+}
+
+uint64_t total_prims(const Draw& draw) { return draw.prims_per_instance * draw.packet.instance_count; }
+
+}  // namespace
+
+Pass::State::~State() {
+  scene.tiles.swap(workspace->tiles);
+  for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
+  release_workspace(std::move(workspace));
+}
+
+GeometryWorker& Pass::State::geometry_worker(uint32_t thread) {
+  std::unique_ptr<GeometryWorker>& worker = workspace->geometry[thread];
+  if (!worker) worker = std::make_unique<GeometryWorker>();
+  return *worker;
+}
+
+TileWorker& Pass::State::tile_worker(uint32_t thread) {
+  std::unique_ptr<TileWorker>& worker = workspace->tile[thread];
+  if (!worker) worker = std::make_unique<TileWorker>();
+  return *worker;
+}
+
+// Primitives of a geometry job: enough jobs for all threads, few enough for long bin segments.
+uint32_t Pass::State::chunk_prims() const {
+  const uint64_t share = recorded_prims / (uint64_t{pool.threads()} * 4);
+  const uint32_t most = std::max(1u, scene.options.chunk_prims);
+  return static_cast<uint32_t>(std::clamp<uint64_t>(share, std::min(kMinChunkPrims, most), most));
+}
+
+// The next jobs from `cursor` on.
+void Pass::State::plan_window(Cursor& cursor, std::vector<Job>& jobs) {
+  const uint32_t chunk = chunk_prims();
+  const size_t most = std::max(kWindowChunks, 4 * pool.threads());
+  while (jobs.size() < most && cursor.draw < workspace->draws.size()) {
+    Job job;
+    uint64_t cost = 0;
+    while (cost < chunk && cursor.draw < workspace->draws.size()) {
+      const Draw& draw = workspace->draws[cursor.draw];
+      const uint64_t prim_bytes = sizeof(Triangle) + 3 * sizeof(float) * uint64_t{draw.packet.vertex_slots};
+      const uint64_t room = std::min<uint64_t>(chunk - cost, kWorstChunkBytes / prim_bytes + 1);
+      const uint64_t count = std::min(room, total_prims(draw) - cursor.prim);
+      if (count != 0) job.ranges.push_back({&draw, cursor.prim, static_cast<uint32_t>(count)});
+      job.prims += count;
+      cost += kDrawCostPrims + count;
+      if (prim_bytes * count >= kWorstChunkBytes) cost = chunk;
+      cursor.prim += count;
+      if (cursor.prim == total_prims(draw)) {
+        ++cursor.draw;
+        cursor.prim = 0;
+      }
+    }
+    if (job.prims != 0) jobs.push_back(std::move(job));
+  }
+}
+
+void Pass::State::run_window(std::vector<Job>& jobs) {
+  uint64_t prims = 0;
+  for (Job& job : jobs) {
+    job.chunk = workspace->take_chunk();
+    prims += job.prims;
+  }
+  pool.parallel_for(static_cast<uint32_t>(jobs.size()), [&](uint32_t i, uint32_t thread) {
+    jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, *jobs[i].chunk);
+  }, prims >= kSerialPrims);
+  for (Job& job : jobs) finish_job(job);
+}
+
+// Commits a job's chunk. One that was cut is drawn at once and its rest is done here: rare, so not in parallel.
+void Pass::State::finish_job(Job& job) {
+  commit(std::move(job.chunk));
+  while (job.done < job.prims) {
+    flush(false);
+    std::vector<PrimRange> rest;
+    uint64_t skip = job.done;
+    for (const PrimRange& range : job.ranges) {
+      const uint64_t drop = std::min<uint64_t>(skip, range.count);
+      skip -= drop;
+      if (drop < range.count) rest.push_back({range.draw, range.first + drop, static_cast<uint32_t>(range.count - drop)});
+    }
+    std::unique_ptr<Chunk> chunk = workspace->take_chunk();
+    pool.parallel_for(1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, *chunk); }, false);
+    commit(std::move(chunk));
+  }
+}
+
+void Pass::State::commit(std::unique_ptr<Chunk> chunk) {
+  statistics.triangles_binned += chunk->triangles.size();
+  statistics.bin_entries += chunk->entries.size();
+  scene.commit(*chunk);
+  committed_bytes += chunk->used_bytes();
+  committed.push_back(std::move(chunk));
+}
+
+void Pass::State::flush(bool last) {
+  std::vector<uint32_t> touched, untouched;
+  uint64_t entries = 0;
+  for (const std::unique_ptr<Chunk>& chunk : committed) entries += chunk->entries.size();
+  for (uint32_t i = 0; i < scene.tiles.size(); ++i) {
+    if (scene.tiles[i].head) {
+      touched.push_back(i);
+    } else if (last) {
+      untouched.push_back(i);
+    }
+  }
+  scene.last_flush = last;
+  const auto draw_jobs = static_cast<uint32_t>(touched.size());
+  const auto fill_jobs = static_cast<uint32_t>((untouched.size() + kFillTilesPerJob - 1) / kFillTilesPerJob);
+  const uint64_t tile_pixels = uint64_t{scene.grid.tile_px * 1u} * static_cast<uint32_t>(scene.grid.tile_px);
+  const bool helpers = (draw_jobs + fill_jobs) > 1 && (touched.size() * tile_pixels > kSerialPixels || entries > kSerialEntries || fill_jobs > 4);
+  pool.parallel_for(draw_jobs + fill_jobs, [&](uint32_t i, uint32_t thread) {
+    TileWorker& worker = tile_worker(thread);
+    if (i < draw_jobs) {
+      worker.run(scene, touched[i], scene.tiles[touched[i]]);
+      return;
+    }
+    const size_t first = size_t{i - draw_jobs} * kFillTilesPerJob, end = std::min(untouched.size(), first + kFillTilesPerJob);
+    for (size_t t = first; t < end; ++t) worker.run_untouched(scene, untouched[t], scene.tiles[untouched[t]]);
+  }, helpers);
+  if (!touched.empty()) ++statistics.flushes;
+  scene.clear_lists();
+  for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
+  committed.clear();
+  committed_bytes = 0;
+}
+
+void Pass::State::run_recorded(bool last) {
+  Cursor cursor;
+  std::vector<Job> jobs;
+  while (cursor.draw < workspace->draws.size()) {
+    jobs.clear();
+    plan_window(cursor, jobs);
+    if (!jobs.empty()) run_window(jobs);
+    if (committed_bytes > scene.options.bin_budget_bytes && cursor.draw < workspace->draws.size()) flush(false);
+  }
+  flush(last);
+  workspace->draws.clear();
+  recorded_prims = 0;
+  for (const std::unique_ptr<GeometryWorker>& worker : workspace->geometry) {
+    if (worker) add_statistics(statistics, std::exchange(worker->statistics, {}));
+  }
+  for (const std::unique_ptr<TileWorker>& worker : workspace->tile) {
+    if (worker) add_statistics(statistics, std::exchange(worker->statistics, {}));
+  }
+}
+
+}  // namespace pineda::raster

@@ -1,0 +1,237 @@
+#include "raster/tile.h"
+
+namespace pineda::raster {
+namespace {
+
+// Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded twice.
+void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
+  const double x1 = t.x_fx8[1] - t.x_fx8[0], y1 = t.y_fx8[1] - t.y_fx8[0];
+  const double x2 = t.x_fx8[2] - t.x_fx8[0], y2 = t.y_fx8[2] - t.y_fx8[0];
+  const double per_px = kSubpixels / (x1 * y2 - y1 * x2);
+  p.x0_px = static_cast<float>(t.x_fx8[0]) * (1.0f / kSubpixels);
+  p.y0_px = static_cast<float>(t.y_fx8[0]) * (1.0f / kSubpixels);
+  p.l1_dx = static_cast<float>(y2 * per_px);
+  p.l1_dy = static_cast<float>(-x2 * per_px);
+  p.l2_dx = static_cast<float>(-y1 * per_px);
+  p.l2_dy = static_cast<float>(x1 * per_px);
+  p.z0 = t.z0;
+  p.dz1 = t.dz1;
+  p.dz2 = t.dz2;
+  p.iw0 = t.iw[0];
+  p.iw1 = t.iw[1];
+  p.iw2 = t.iw[2];
+  const size_t wave_floats = size_t{batch.draw->packet.vertex_slots} * kLanes;
+  const auto vertex = [&](uint32_t v) { return batch.vertices + v / kLanes * wave_floats + v % kLanes; };
+  for (int k = 0; k < 3; ++k) p.vertex[k] = vertex(t.vertex[k]);
+  p.front_facing = t.front;
+  p.primitive_id = t.primitive_id;
+  p.layer = p.viewport_index = 0;
+  p.point_size = 1;
+  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking) - p.vertex[0]) * static_cast<ptrdiff_t>(sizeof(float)));
+}
+
+}  // namespace
+
+// Moves to a tile and makes room for its attachments.
+void TileWorker::place(const Scene& scene, uint32_t tile) {
+  const int32_t size = scene.grid.tile_px;
+  position_ = {static_cast<int32_t>(tile % scene.grid.columns) * size, static_cast<int32_t>(tile / scene.grid.columns) * size, size,
+               scene.grid.rect(tile)};
+  const auto px = static_cast<size_t>(size) * static_cast<size_t>(size);
+  size_t bytes = 0;
+  for (uint32_t i = 0; i <= scene.color_count; ++i) {
+    const PassAttachment& a = i < scene.color_count ? scene.color[i] : scene.depth;
+    buffer_offset_[i] = bytes;
+    bytes += a.address ? px * a.texel_bytes : 0;
+  }
+  if (buffers_.size() < bytes) buffers_.append(bytes - buffers_.size());
+  for (uint32_t i = 0; i < kMaxColorAttachments; ++i) {
+    context_.color[i] = i < scene.color_count && scene.color[i].address ? buffers_.data() + buffer_offset_[i] : nullptr;
+  }
+  context_.depth = scene.depth.address ? buffers_.data() + buffer_offset_[scene.color_count] : nullptr;
+}
+
+void TileWorker::load(const Scene& scene, const TileState& state) {
+  const auto load_one = [&](const PassAttachment& a, uint8_t* buffer) {
+    if (a.load || state.in_memory) {
+      load_tile(a, position_, buffer);
+    } else {
+      clear_tile(a.texel_bytes, a.clear_texel.data(), position_.size_px, buffer);
+    }
+  };
+  for (uint32_t i = 0; i < scene.color_count; ++i) {
+    if (context_.color[i] && !state.covered) load_one(scene.color[i], context_.color[i]);
+  }
+  if (context_.depth) load_one(scene.depth, context_.depth);
+}
+
+void TileWorker::store(const Scene& scene) {
+  const auto store_one = [&](const PassAttachment& a, const uint8_t* buffer) {
+    if (a.store || !scene.last_flush) store_tile(a, position_, buffer);
+  };
+  for (uint32_t i = 0; i < scene.color_count; ++i) {
+    if (context_.color[i]) store_one(scene.color[i], context_.color[i]);
+  }
+  if (context_.depth) store_one(scene.depth, context_.depth);
+}
+
+void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
+  place(scene, tile);
+  cover_ = cover_function(scene.options.isa);
+  load(scene, state);
+  hi_z_on_ = scene.options.hi_z && context_.depth && hi_z_supports(scene.depth.format);
+  if (hi_z_on_) hi_z_.begin_tile(scene.depth.format, context_.depth, position_.size_px, !scene.depth.load && !state.in_memory);
+  draw_list(scene, state);
+  store(scene);
+  state.in_memory = true;
+  ++statistics.tiles_touched;
+}
+
+void TileWorker::run_untouched(const Scene& scene, uint32_t tile, const TileState& state) {
+  if (state.in_memory) return;
+  bool filled = false;
+  const auto fill = [&](const PassAttachment& a) {
+    if (!a.address || a.load || !a.store) return;
+    filled = true;
+    if (scene.options.fast_clear) {
+      fill_memory_rect(a, a.clear_texel.data(), position_.rect);
+    } else {  // the long way round, for comparison
+      uint8_t* buffer = buffers_.data();
+      clear_tile(a.texel_bytes, a.clear_texel.data(), position_.size_px, buffer);
+      store_tile(a, position_, buffer);
+    }
+  };
+  place(scene, tile);
+  for (uint32_t i = 0; i < scene.color_count; ++i) fill(scene.color[i]);
+  fill(scene.depth);
+  ++(filled ? statistics.tiles_filled : statistics.tiles_untouched);
+}
+
+void TileWorker::draw_list(const Scene& scene, const TileState& state) {
+  draw_ = nullptr;
+  uint32_t first = state.skip;
+  for (const Segment* segment = state.head; segment; segment = segment->next, first = 0) {
+    const Chunk& chunk = *segment->chunk;
+    const uint32_t* entries = chunk.entries.data() + segment->first;
+    for (uint32_t i = first; i < segment->count; ++i) {
+      constexpr uint32_t kAhead = 4;
+      if (i + kAhead < segment->count) __builtin_prefetch(&chunk.triangles[entries[i + kAhead] & ~kEntryCovers]);
+      const Triangle& triangle = chunk.triangles[entries[i] & ~kEntryCovers];
+      const Batch& batch = chunk.batches[triangle.batch];
+      if (batch.draw != draw_) {
+        flush();
+        begin_draw(*batch.draw);
+      }
+      if (batch.draw->is_clear) [[unlikely]] {
+        clear_rect(scene, *batch.draw, triangle);
+      } else {
+        draw_triangle(triangle, batch, (entries[i] & kEntryCovers) != 0);
+      }
+    }
+  }
+  flush();
+}
+
+void TileWorker::begin_draw(const Draw& draw) {
+  draw_ = &draw;
+  const Rect tile{position_.x_px, position_.y_px, position_.x_px + position_.size_px, position_.y_px + position_.size_px};
+  draw_rect_full_ = draw.rect.contains(tile);
+  const Rect r = intersect(draw.rect, tile);
+  draw_rect_ = {r.x0 - tile.x0, r.y0 - tile.y0, r.x1 - tile.x0, r.y1 - tile.y0};
+  if (hi_z_on_) hi_z_.begin_draw(draw);
+  wave_limit_ = hi_z_on_ && draw.hi_z != HiZMode::kNone && draw.writes_depth ? kEagerWaves : kMaxWaves;
+}
+
+void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle& record) {
+  const Rect all{record.x_fx8[0], record.y_fx8[0], record.x_fx8[1], record.y_fx8[1]};
+  const Rect r = intersect(all, position_.rect);
+  if (r.empty()) return;
+  const bool is_depth = draw.clear_attachment == Pass::kDepth;
+  const PassAttachment& a = is_depth ? scene.depth : scene.color[draw.clear_attachment];
+  const Rect in_tile{r.x0 - position_.x_px, r.y0 - position_.y_px, r.x1 - position_.x_px, r.y1 - position_.y_px};
+  fill_tile_rect(a.texel_bytes, draw.clear_texel.data(), in_tile, is_depth ? context_.depth : context_.color[draw.clear_attachment]);
+  if (is_depth && hi_z_on_) hi_z_.forget();
+}
+
+// Covered blocks of the current draw's rectangle, into blocks_.
+uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
+  const auto [min_x, max_x] = std::minmax({t.x_fx8[0], t.x_fx8[1], t.x_fx8[2]});
+  const auto [min_y, max_y] = std::minmax({t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]});
+  const Rect box{((min_x + 127) >> 8) - position_.x_px, ((min_y + 127) >> 8) - position_.y_px, ((max_x + 127) >> 8) - position_.x_px,
+                 ((max_y + 127) >> 8) - position_.y_px};
+  const Rect r = intersect(box, draw_rect_);
+  if (r.empty()) return 0;
+  TileEdges edges{};
+  if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;
+  const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
+  const BlockRange range{block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
+  const uint32_t count = cover_(edges, range, blocks_);
+  return draw_rect_full_ ? count : cut_to_rect(count);
+}
+
+uint32_t TileWorker::cut_to_rect(uint32_t count) {
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto x = static_cast<int32_t>(morton_x(blocks_[i].block) * kBlockDim), y = static_cast<int32_t>(morton_y(blocks_[i].block) * kBlockDim);
+    const uint32_t mask = blocks_[i].mask & rect_lanes(draw_rect_, x, y);
+    blocks_[kept] = {blocks_[i].block, static_cast<uint16_t>(mask)};
+    kept += mask != 0;
+  }
+  return kept;
+}
+
+uint32_t TileWorker::reject_hidden(uint32_t count, const FragmentPrim& prim) {
+  const TriangleDepth depth = triangle_depth(prim, *draw_, position_);
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count;) {
+    const uint32_t macro = blocks_[i].block / kLanes;
+    uint32_t wanted = 0, end = i;
+    for (; end < count && blocks_[end].block / kLanes == macro; ++end) wanted |= 1u << blocks_[end].block % kLanes;
+    const uint32_t survivors = hi_z_.survivors(macro, wanted, depth);
+    for (; i < end; ++i) {
+      blocks_[kept] = blocks_[i];
+      kept += survivors >> blocks_[i].block % kLanes & 1;
+    }
+  }
+  statistics.blocks_hi_z_rejected += count - kept;
+  return kept;
+}
+
+void TileWorker::draw_triangle(const Triangle& triangle, const Batch& batch, bool covers) {
+  uint32_t count = find_blocks(triangle, covers);
+  if (count == 0) return;
+  if (prim_count_ == kMaxPrims || wave_count_ + count > wave_limit_) flush();
+  FragmentPrim& prim = prims_[prim_count_];
+  fill_prim(triangle, batch, prim);
+  if (hi_z_on_ && draw_->hi_z != HiZMode::kNone) {
+    count = reject_hidden(count, prim);
+    if (count == 0) return;
+  }
+  queue(count);
+}
+
+// Queues the blocks in blocks_ for the primitive at prims_[prim_count_].
+void TileWorker::queue(uint32_t block_count) {
+  records_[prim_count_] = {&prims_[prim_count_], wave_count_, block_count};
+  ++prim_count_;
+  FragmentWave* wave = waves_ + wave_count_;
+  for (uint32_t i = 0; i < block_count; ++i) {
+    const uint32_t block = blocks_[i].block;
+    wave[i] = {0xFFFF, blocks_[i].mask, static_cast<uint16_t>(static_cast<uint32_t>(position_.x_px) + morton_x(block) * kBlockDim),
+               static_cast<uint16_t>(static_cast<uint32_t>(position_.y_px) + morton_y(block) * kBlockDim), block};
+  }
+  wave_count_ += block_count;
+  if (hi_z_on_ && draw_->writes_depth) {
+    for (uint32_t i = 0; i < block_count; ++i) hi_z_.queued(blocks_[i].block);
+  }
+}
+
+void TileWorker::flush() {
+  if (prim_count_ == 0) return;
+  draw_->packet.fragment(draw_->packet.context, &context_, records_, prim_count_, waves_);
+  statistics.blocks_shaded += wave_count_;
+  prim_count_ = wave_count_ = 0;
+  if (hi_z_on_) hi_z_.flushed();
+}
+
+}  // namespace pineda::raster

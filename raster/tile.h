@@ -1,0 +1,60 @@
+// The tile phase: one tile's triangles in API order -> coverage -> Hi-Z -> waves -> fragment kernel, between load and store of the attachments.
+#pragma once
+
+#include <cstdint>
+
+#include "raster/coverage.h"
+#include "raster/hi_z.h"
+#include "raster/scene.h"
+
+namespace pineda::raster {
+
+// One thread's tile work. Reused from tile to tile.
+class TileWorker {
+ public:
+  // Draws a tile's list.
+  void run(const Scene& scene, uint32_t tile, TileState& state);
+  // A tile that no draw touched in the whole pass.
+  void run_untouched(const Scene& scene, uint32_t tile, const TileState& state);
+
+  PassStatistics statistics{};
+
+ private:
+  // Waves of one draw are queued and given to its kernel together.
+  static constexpr uint32_t kMaxPrims = 128;
+  static constexpr uint32_t kMaxWaves = 1024;
+  static constexpr uint32_t kEagerWaves = 256;  // for draws that write depth under Hi-Z: what is queued hides nothing yet
+
+  void place(const Scene& scene, uint32_t tile);
+  void load(const Scene& scene, const TileState& state);
+  void store(const Scene& scene);
+  void draw_list(const Scene& scene, const TileState& state);
+  void begin_draw(const Draw& draw);
+  void draw_triangle(const Triangle& triangle, const Batch& batch, bool covers);
+  void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
+  uint32_t find_blocks(const Triangle& triangle, bool covers);
+  uint32_t cut_to_rect(uint32_t count);
+  uint32_t reject_hidden(uint32_t count, const FragmentPrim& prim);
+  void queue(uint32_t block_count);
+  void flush();
+
+  CoverFn cover_ = nullptr;
+  TilePosition position_{};
+  ThreadContext context_{};
+  PodBuffer<uint8_t> buffers_;
+  std::array<size_t, kMaxColorAttachments + 1> buffer_offset_{};
+  bool hi_z_on_ = false;
+  HiZ hi_z_;
+  // the draw whose waves are queued
+  const Draw* draw_ = nullptr;
+  Rect draw_rect_;              // in tile coordinates
+  bool draw_rect_full_ = true;  // it contains the whole tile
+  uint32_t wave_limit_ = kMaxWaves;
+  uint32_t prim_count_ = 0, wave_count_ = 0;
+  BlockMask blocks_[kMaxTileBlocks + 1];  // coverage writes one past what it keeps
+  FragmentPrim prims_[kMaxPrims];
+  PrimRecord records_[kMaxPrims];
+  FragmentWave waves_[kMaxWaves];
+};
+
+}  // namespace pineda::raster
