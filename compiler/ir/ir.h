@@ -22,7 +22,8 @@
 // Memory. The address of Load/Store/Atomic is base + zext(offset) + lane * lane_stride(). With a `limit` operand (I32, bytes,
 // unsigned) the access is checked: it takes place only when offset + lane * lane_stride + size <= limit, computed without
 // wrapping; otherwise a load or atomic gives zero and a store does nothing. Accesses need no alignment, atomics their natural
-// one. B1 is never in memory. lane_stride == size with a uniform offset is one contiguous vector access.
+// one. Lanes act in ascending order: where stores or atomics of one instruction meet, the highest active lane comes last. B1 is
+// never in memory. lane_stride == size with a uniform offset is one contiguous vector access.
 //
 // Numbers. IEEE binary32/64, round to nearest even, denormals kept. An operation that creates a NaN gives a NaN of unspecified
 // sign and payload; FCanon makes it one pattern, and is placed (by Builder) wherever bits become visible: Bitcast from a float,

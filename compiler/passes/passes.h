@@ -1,4 +1,4 @@
-// The passes over the IR, in the order in which optimize() runs them. Each leaves a kernel that verify() accepts and that computes the same bits,
+// The passes over the IR; optimize() has their order. Each leaves a kernel that verify() accepts and that computes the same bits,
 // but for lower_math and fuse_fma, which *define* the bits of the f32 form.
 #pragma once
 
@@ -6,20 +6,37 @@
 
 namespace pineda::passes {
 
-void ssa(ir::Kernel& k);          // one-element Locals become values, If results and loop-carried values
-void lower_math(ir::Kernel& k);   // transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h
-void fold(ir::Kernel& k);         // constants and algebraic identities that hold bit for bit; constant Ifs
-void cse(ir::Kernel& k);          // common subexpressions, scoped by region; invariant loads too
-void fuse_fma(ir::Kernel& k);     // fadd(fmul(a, b), c) -> fma, left operand first, whatever the other uses of the product;
-                                  // never across kNoContract. Context-free: depends on the expression alone.
-void dce(ir::Kernel& k);          // dead instructions, unused If results and loop-carried values, empty Ifs
-void rates(ir::Kernel& k);        // Inst::rate
-void hoist(ir::Kernel& k);        // pure Draw/Prim-rate instructions move to Kernel::draw / prim
-
 enum class Form : uint8_t {
   kMachine,  // for the JIT and the f32 evaluator
-  kTruth,    // for the f64 evaluator: no lower_math, no fuse_fma
+  kTruth,    // for the f64 evaluator: no lower_math, no fuse_fma; fold computes as that evaluator does
 };
+
+// Locals become values, results of Ifs and carried values of Loops.
+void ssa(ir::Kernel& k);
+
+// Removes dead instructions, unused results and carried values, Ifs and Loops without effect.
+void dce(ir::Kernel& k);
+
+// fadd(fmul(a, b), c) -> fma, the left product first, whatever the other uses of the product; never across kNoContract, which all the rest has
+// afterwards. Context-free: depends on the expression alone.
+void fuse_fma(ir::Kernel& k);
+
+// Constants, identities that hold bit for bit, Ifs that are decided.
+void fold(ir::Kernel& k, Form form = Form::kMachine);
+
+// Common subexpressions, scoped by region; loads too.
+void cse(ir::Kernel& k);
+
+// Transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h.
+void lower_math(ir::Kernel& k);
+
+// What depends on the draw or the primitive alone moves to Kernel::draw and Kernel::prim.
+void hoist(ir::Kernel& k);
+
+// Sets Inst::rate.
+void rates(ir::Kernel& k);
+
+// All of them. Renumbers the instructions: Values from before mean nothing afterwards. (The single passes keep them.)
 void optimize(ir::Kernel& k, Form form);
 
 }  // namespace pineda::passes
