@@ -31,7 +31,7 @@ std::string symbol_name(const ir::Kernel& kernel) { return "pineda." + (kernel.n
 
 Emitter::Emitter(llvm::Module& module, const ir::Kernel& kernel, Isa isa)
     : module_(module), context_(module.getContext()), kernel_(kernel), features_(features_of(isa)),
-      b_(context_, llvm::InstSimplifyFolder(module.getDataLayout())), value_(kernel.insts.size()), splat_(kernel.insts.size()) {
+      b_(context_), value_(kernel.insts.size()), splat_(kernel.insts.size()) {
   for (ir::RegionId root : {kernel.draw, kernel.prim, kernel.wave}) {
     if (root == 0) continue;
     ir::for_each_inst(kernel, root, [&](ir::Value v) {

@@ -1,8 +1,6 @@
 // Accesses where each lane has its own address.
 #include "compiler/jit/emitter.h"
 
-#include <llvm/Analysis/ValueTracking.h>
-
 namespace pineda::jit {
 
 Emitter::LaneAddresses Emitter::lane_addresses(const Access& a) {
@@ -14,9 +12,13 @@ Emitter::LaneAddresses Emitter::lane_addresses(const Access& a) {
   }
   const bool stride_fits = lane_offset64[kLanes - 1] <= ~0u;
   if (!is_vector(a.base) && !is_vector(a.offset) && stride_fits) {
-    return {.base = first_address(a), .offset = llvm::ConstantDataVector::get(context_, lane_offset)};
+    return {.base = first_address(a),
+            .offset = llvm::ConstantDataVector::get(context_, lane_offset),
+            .small = lane_offset64[kLanes - 1] < kSmallOffset};
   }
-  if (!is_vector(a.base) && is_vector(a.offset) && a.lane_stride_bytes == 0) return {.base = a.base, .offset = a.offset};
+  if (!is_vector(a.base) && is_vector(a.offset) && a.lane_stride_bytes == 0) {
+    return {.base = a.base, .offset = a.offset, .small = a.small_offset};
+  }
   const auto wide = [&](V x) {
     V in_lanes = is_vector(x) ? x : b_.CreateVectorSplat(kLanes, x);
     return b_.CreateZExt(in_lanes, lane_type(b_.getInt64Ty()));
@@ -31,7 +33,7 @@ Emitter::V Emitter::lane_pointers(const LaneAddresses& at) {
   if (at.address != nullptr) return b_.CreateIntToPtr(at.address, lane_type(b_.getPtrTy()));
   V base = at.base, offset = at.offset;
   constexpr uint64_t kSignedRange = uint64_t{1} << 31;
-  if (!llvm::isKnownNonNegative(offset, llvm::SimplifyQuery(module_.getDataLayout()))) {
+  if (!at.small) {
     base = b_.CreateAdd(base, b_.getInt64(kSignedRange));
     offset = b_.CreateXor(offset, int_const(offset->getType(), kSignedRange));
   }
@@ -80,6 +82,7 @@ Emitter::V Emitter::gather_narrow(const Access& a, const LaneAddresses& at, V ma
     back = bytes_back(offset);
     word.base = b_.CreateAnd(at.base, b_.getInt64(~uint64_t{3}));
     word.offset = b_.CreateSub(offset, back);
+    word.small = at.small;
   }
   V words = gather_native(b_.getInt32Ty(), word, mask, a.invariant);
   V element = b_.CreateLShr(words, b_.CreateShl(back, int_const(i32, 3)));

@@ -96,7 +96,8 @@ Emitter::LocalElement Emitter::local_element_at(const ir::Inst& inst) {
                .offset = b_.CreateAdd(row_offset, llvm::ConstantDataVector::get(context_, lane_offset)),
                .size_bytes = size_bytes,
                .element = e.row->getScalarType(),
-               .base_readable = true};
+               .base_readable = true,
+               .small_offset = true};
   return e;
 }
 

@@ -25,7 +25,35 @@ Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
           .lane_stride_bytes = inst.lane_stride(),
           .size_bytes = static_cast<uint32_t>(element->getPrimitiveSizeInBits() / 8),
           .element = element,
-          .invariant = (inst.flags & ir::kInvariant) != 0};
+          .invariant = (inst.flags & ir::kInvariant) != 0,
+          .small_offset = upper_bound(inst.operand[1], 0) < kSmallOffset};
+}
+
+// The largest value that an I32 can have, as far as its expression tells. Looks at the IR, not at LLVM's values: see Emitter::b_.
+uint64_t Emitter::upper_bound(ir::Value v, uint32_t depth) const {
+  constexpr uint64_t kAny = ~0u;
+  constexpr uint32_t kMaxDepth = 8;
+  if (depth > kMaxDepth) return kAny;
+  const ir::Inst& inst = kernel_.at(v);
+  const auto bound = [&](uint32_t i) { return upper_bound(inst.operand[i], depth + 1); };
+  const auto unwrapped = [](uint64_t bound_64) { return bound_64 <= kAny ? bound_64 : kAny; };
+  const auto constant_count = [&] { return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32; };
+  switch (inst.op) {
+    case Op::kConst: return inst.imm;
+    case Op::kLane: return kLanes - 1;
+    case Op::kZExt: {
+      const ir::Type from = kernel_.at(inst.operand[0]).type;
+      return from == ir::Type::kB1 ? 1 : (1u << 8 * ir::size_bytes(from)) - 1;
+    }
+    case Op::kAnd: case Op::kUMin: return std::min(bound(0), bound(1));
+    case Op::kUMax: return std::max(bound(0), bound(1));
+    case Op::kSelect: return std::max(bound(1), bound(2));
+    case Op::kIAdd: return unwrapped(bound(0) + bound(1));
+    case Op::kIMul: return unwrapped(bound(0) * bound(1));
+    case Op::kLShr: return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
+    case Op::kShl: return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
+    default: return kAny;
+  }
 }
 
 // ---- bounds ---------------------------------------------------------------------------------------------------------------

@@ -35,6 +35,9 @@ struct Features {
 };
 Features features_of(Isa isa);
 
+// Offsets below this can be indices of a gather, which sign-extends them, with a few bytes of room.
+inline constexpr uint64_t kSmallOffset = (uint64_t{1} << 31) - 8;
+
 inline constexpr const char* kFmaSymbol = "pineda.fma_f64";  // double(double, double, double)
 
 class Emitter {
@@ -64,6 +67,7 @@ class Emitter {
     llvm::Type* element = nullptr;
     bool invariant = false;
     bool base_readable = false;  // reading an element at `base` itself never faults
+    bool small_offset = false;   // known to be below 2^31 - 8
     bool uniform() const;        // one address for all lanes
     bool contiguous() const;     // consecutive lanes are consecutive elements
   };
@@ -73,6 +77,7 @@ class Emitter {
     V base = nullptr;            // i64
     V offset = nullptr;          // <16 x i32>
     V address = nullptr;         // <16 x i64>; then the others are null
+    bool small = false;          // offset is known to be below 2^31 - 8
   };
   struct LaneSlots {             // the same on the stack, to be indexed by a variable lane number
     V base = nullptr, offsets = nullptr, addresses = nullptr;
@@ -182,6 +187,7 @@ class Emitter {
   V load_at(llvm::Type* type, V address_i64, bool invariant);
   void store_at(V value, V address_i64);
   V first_address(const Access& a);                         // i64, of lane 0
+  uint64_t upper_bound(ir::Value v, uint32_t depth) const;
   V zeros_address();                                        // i64, of 16 zero bytes
   void mark_invariant(llvm::Instruction* load, bool invariant);
 
@@ -241,7 +247,7 @@ class Emitter {
   llvm::LLVMContext& context_;
   const ir::Kernel& kernel_;
   const Features features_;
-  Builder b_;
+  llvm::IRBuilder<> b_;                    // folds constants only: phis are incomplete while a loop is emitted, so nothing may look through them
   llvm::Function* function_ = nullptr;
   llvm::BasicBlock* entry_ = nullptr;      // allocas only; branches to the draw region's code
   std::string error_;

@@ -3,7 +3,6 @@
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
-#include <llvm/Analysis/InstSimplifyFolder.h>
 #include <llvm/IR/Constants.h>
 #include <llvm/IR/DerivedTypes.h>
 #include <llvm/IR/Function.h>
@@ -12,10 +11,3 @@
 #include <llvm/IR/IntrinsicsX86.h>
 #include <llvm/IR/Module.h>
 #pragma GCC diagnostic pop
-
-namespace pineda::jit {
-
-// Folds constants and trivial identities as instructions are made, which saves running a pass over what would only be deleted.
-using Builder = llvm::IRBuilder<llvm::InstSimplifyFolder>;
-
-}  // namespace pineda::jit
