@@ -127,6 +127,79 @@ TEST(Eval, LocalsStartAtZeroInEachWave) {
   }
 }
 
+TEST(Eval, SourcesGiveTheirPointers) {
+  Rig rig;
+  Builder b = rig.builder();
+  Value sum = b.load(Type::kI32, b.draw_ptr(), 4);
+  sum = b.iadd(sum, b.load(Type::kI32, b.thread_ptr(), 0));
+  sum = b.iadd(sum, b.load(Type::kI32, b.prim_ptr(), 0));
+  Rig::put(b, b.iadd(sum, b.lane()));
+  rig.waves.resize(3);
+  const uint32_t draw[2] = {0, 1000}, first = 10, second = 20;
+  uint32_t thread = 100;
+  const PrimRecord prims[] = {{&first, 0, 1}, {&second, 1, 2}};
+  run(rig.kernel, Mode::kF32, draw, &thread, prims, 2, rig.waves.data());
+  EXPECT_EQ(rig.waves[0].cell[15], 1125u);
+  EXPECT_EQ(rig.waves[1].cell[0], 1120u);
+  EXPECT_EQ(rig.waves[2].cell[0], 1120u);
+}
+
+TEST(Eval, QuadSwizzleStaysInItsQuad) {
+  Rig rig;
+  Builder b = rig.builder();
+  Rig::put(b, b.quad_swizzle(b.lane(), 0b00'01'10'11));  // lane i gets lane 3 - i
+  rig.run();
+  for (uint32_t l = 0; l < kLanes; ++l) EXPECT_EQ(rig.waves[0].cell[l], (l & ~3u) + 3 - (l & 3));
+}
+
+TEST(Eval, UnpackMaskGivesEachLaneItsBit) {
+  Rig rig;
+  Builder b = rig.builder();
+  Rig::put(b, b.convert(ir::Op::kZExt, Type::kI32, b.unpack_mask(b.i32(0xA5C3))));
+  rig.run();
+  for (uint32_t l = 0; l < kLanes; ++l) EXPECT_EQ(rig.waves[0].cell[l], 0xA5C3u >> l & 1);
+}
+
+TEST(Eval, AtomicsActLaneByLane) {
+  struct {
+    ir::AtomicOp op;
+    uint32_t start, value, comparand, expected;  // lanes 0 and 1 apply `value` in turn
+  } const cases[] = {
+      {ir::AtomicOp::kAdd, 5, 3, 0, 11},
+      {ir::AtomicOp::kAnd, 0xFF, 0x0F, 0, 0x0F},
+      {ir::AtomicOp::kOr, 1, 6, 0, 7},
+      {ir::AtomicOp::kXor, 1, 6, 0, 1},
+      {ir::AtomicOp::kSMin, 5, 0xFFFFFFFF, 0, 0xFFFFFFFF},
+      {ir::AtomicOp::kSMax, 5, 0xFFFFFFFF, 0, 5},
+      {ir::AtomicOp::kUMin, 5, 0xFFFFFFFF, 0, 5},
+      {ir::AtomicOp::kUMax, 5, 0xFFFFFFFF, 0, 0xFFFFFFFF},
+      {ir::AtomicOp::kExchange, 5, 9, 0, 9},
+      {ir::AtomicOp::kCompareExchange, 5, 9, 5, 9},
+      {ir::AtomicOp::kCompareExchange, 5, 9, 6, 5},
+  };
+  for (const auto& c : cases) {
+    Rig rig;
+    Builder b = rig.builder();
+    const Value comparand = c.op == ir::AtomicOp::kCompareExchange ? b.i32(c.comparand) : Value{};
+    const Value old = b.atomic(c.op, {.base = b.wave_ptr(), .offset = b.i32(4)}, b.i32(c.value), comparand);
+    b.store({.base = b.wave_ptr(), .offset = b.i32(8), .lane_stride = 4}, old);
+    rig.waves[0].mask = 3;
+    rig.waves[0].cell[0] = c.start;
+    rig.run();
+    EXPECT_EQ(rig.waves[0].cell[0], c.expected) << static_cast<int>(c.op);
+    EXPECT_EQ(rig.waves[0].cell[1], c.start);
+  }
+}
+
+TEST(Eval, HighestLaneWinsWhereStoresMeet) {
+  Rig rig;
+  rig.waves[0].mask = 0x0fff;
+  Builder b = rig.builder();
+  b.store({.base = b.wave_ptr(), .offset = b.i32(4)}, b.lane());
+  rig.run();
+  EXPECT_EQ(rig.waves[0].cell[0], 11u);
+}
+
 TEST(Eval, DryRunTouchesNothingAndSeesItsOwnStores) {
   Rig rig;
   Builder b = rig.builder();

@@ -307,8 +307,9 @@ class Generator {
     return t == Type::kB1 ? Type::kI32 : t;
   }
 
-  // An offset that is in range more often than not.
+  // An offset that is in range more often than not; often one of a few constants, so that loads and stores meet.
   Value random_offset(uint32_t range) {
+    if (random_.one_in(3)) return b_.i32(4 * random_.below(4));
     if (random_.one_in(6)) return any(Type::kI32);
     return b_.iadd(b_.urem(any(Type::kI32), b_.i32(range)), b_.i32(random_.below(16)));
   }

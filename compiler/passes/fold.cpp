@@ -84,9 +84,16 @@ class Folder {
 
   std::vector<Value>& yields(RegionId id) { return kernel_.lists[kernel_.at(ir::yield_of(kernel_, id)).list]; }
 
+  // Sides that both write are never swapped: where lanes race, the order of the sides shows.
+  bool has_writes(RegionId id) const {
+    bool out = false;
+    ir::for_each_inst(kernel_, id, [&](Value v) { out |= writes(kernel_.at(v)); });
+    return out;
+  }
+
   void if_else(Value v, const Insts& results, Insts& out) {
     Inst inst = kernel_.at(v);
-    while (kernel_.at(inst.operand[0]).op == Op::kNot) {
+    while (kernel_.at(inst.operand[0]).op == Op::kNot && !(has_writes(inst.region[0]) && has_writes(inst.region[1]))) {
       inst.operand[0] = aliases_.resolve(kernel_.at(inst.operand[0]).operand[0]);
       std::swap(inst.region[0], inst.region[1]);
     }
