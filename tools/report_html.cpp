@@ -92,7 +92,7 @@ class Page {
   void add_summary() {
     const size_t driver_count = comparison_.options.drivers.size();
     add("<section><div class='title'><h2>Summary</h2></div><p>Wanted: at least {} of the pixels within 1/255 of {}",
-        percent(comparison_.options.threshold_share), escape(reference()));
+        fmt::format("{:g} %", 100 * comparison_.options.threshold_share), escape(reference()));
     if (const auto largest = comparison_.options.largest_difference) add(", none further than {}/255", *largest);
     add(". Times are medians of a whole frame, submit to fence.</p><div class='scroll'><table><tr><th>Scene</th>");
     for (const DriverSpec& driver : comparison_.options.drivers) add("<th>{}<br>ms</th>", escape(driver.label));

@@ -47,14 +47,14 @@ class MandelbrotScene final : public Scene {
 
  private:
   Window make_window() const {
-    constexpr float kCentre[2] = {-0.745f, 0.0f};
-    constexpr float kHeight = 2.5f;
+    constexpr float kCentre[2] = {-0.72f, 0.0f};
+    constexpr float kHeight = 2.36f;
     const float step = kHeight / static_cast<float>(extent_.height);
     return {.corner = {kCentre[0] - 0.5f * step * static_cast<float>(extent_.width),
                        kCentre[1] - 0.5f * step * static_cast<float>(extent_.height)},
             .step = {step, step},
             .size = {extent_.width, extent_.height},
-            .max_iterations = 256};
+            .max_iterations = 192};
   }
 
   void copy_to_picture(VkCommandBuffer commands) const {

@@ -1,4 +1,6 @@
 // The Mandelbrot set: iterations with a continuous count, so that the colour has no steps, packed to RGBA8.
+// The iteration is chaotic near the set: one rounding more or less ends in another colour (a fused multiply-add alone changes 0.2 % of
+// the pixels). It is `precise` (NoContraction), which leaves no choice of roundings to a driver.
 #version 450
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -30,19 +32,19 @@ vec3 palette(float t) {
 void main() {
   uvec2 at = gl_GlobalInvocationID.xy;
   if (at.x >= size.x || at.y >= size.y) return;
-  vec2 c = corner + step * vec2(at);
-  vec2 z = vec2(0.0);
+  precise vec2 c = corner + step * vec2(at);
+  precise vec2 z = vec2(0.0);
   uint count = 0;
-  float squared = 0.0;
+  precise float squared = 0.0;
   while (count < max_iterations && squared < 4096.0) {
     z = vec2(z.x * z.x - z.y * z.y, 2.0 * z.x * z.y) + c;
-    squared = dot(z, z);
+    squared = z.x * z.x + z.y * z.y;
     ++count;
   }
   vec3 colour = vec3(0.01, 0.01, 0.03);
   if (squared >= 4096.0) {
     float smooth_count = float(count) - plain_log2(plain_log2(squared) / 12.0);
-    colour = palette(0.018 * smooth_count + 0.05);
+    colour = palette(0.33 * sqrt(max(smooth_count, 0.0)) - 0.55);
   }
   uvec3 bytes = uvec3(colour * 255.0 + 0.5);
   pixels[at.y * size.x + at.x] = bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;

@@ -24,14 +24,17 @@ void main() {
   vec3 v = normalize(to_eye);
   vec3 l = light_direction.xyz;
   float sun = max(dot(n, l), 0.0);
-  vec3 ambient = mix(vec3(0.17, 0.15, 0.14), vec3(0.34, 0.38, 0.46), 0.5 + 0.5 * n.y);
-  float fill = max(dot(n, v), 0.0) * 0.16;
+  vec3 ambient = mix(vec3(0.13, 0.115, 0.105), vec3(0.25, 0.285, 0.35), 0.5 + 0.5 * n.y);
+  float fill = max(dot(n, v), 0.0) * 0.13;
   float highlight = max(dot(n, normalize(l + v)), 0.0);
   highlight *= highlight;
   highlight *= highlight;
   highlight *= highlight;
   highlight *= highlight;
   highlight *= highlight;
-  vec3 light = ambient + vec3(1.02, 0.97, 0.88) * sun + fill;
-  result = vec4(sqrt(surface * light + 0.10 * highlight * sun), 1.0);
+  vec3 light = ambient + vec3(0.98, 0.93, 0.84) * sun + fill;
+  vec3 radiance = surface * light + 0.10 * highlight * sun;
+  // Rolls bright colours off to white at 1.5 instead of cutting them (Reinhard et al. 2002, equation 4).
+  vec3 mapped = radiance * (1.0 + radiance * (1.0 / 2.25)) / (1.0 + radiance);
+  result = vec4(sqrt(mapped) * 1.08, 1.0);
 }
