@@ -1,0 +1,265 @@
+// Loads and stores through resolved pointers, and the instructions made of them.
+#include <algorithm>
+
+#include "compiler/spirv/opcodes.h"
+#include "compiler/spirv/pointer.h"
+
+namespace pineda::spirv {
+namespace {
+
+// Calls fn(scalar type, bytes from the pointer) for every scalar of a value in a buffer, in flattened order.
+struct LayoutWalk {
+  const Module& m;
+  const Instruction& inst;
+  const std::function<void(ir::Type, uint32_t)>& fn;
+
+  void walk(uint32_t type_id, uint64_t at, const Pointer& layout) const {
+    const Type& type = m.type(type_id);
+    switch (type.kind) {
+      case TypeKind::kInt:
+      case TypeKind::kFloat:
+        if (at > 0xffffffffull) inst.fail("an offset is beyond 4 GiB");
+        fn(type.scalar, static_cast<uint32_t>(at));
+        break;
+      case TypeKind::kVector:
+        for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + uint64_t{i} * layout.component_stride_bytes, layout);
+        break;
+      case TypeKind::kMatrix: matrix(type, at, layout); break;
+      case TypeKind::kArray: {
+        const uint64_t stride = array_stride_bytes(m, inst, type);
+        for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + i * stride, layout);
+        break;
+      }
+      case TypeKind::kStruct:
+        for (uint32_t i = 0; i < type.members.size(); ++i) {
+          const Decorations& d = m.member_of(type_id, i);
+          Pointer inner = layout;
+          if (d.matrix_stride) {
+            inner.matrix_stride_bytes = multiple_of_4(inst, *d.matrix_stride, "MatrixStride");
+            inner.row_major = d.row_major;
+          }
+          walk(type.members[i], at + member_offset_bytes(m, inst, type, i), inner);
+        }
+        break;
+      default: inst.fail("a value of this type cannot be in a buffer");
+    }
+  }
+
+  void matrix(const Type& type, uint64_t at, const Pointer& layout) const {
+    if (layout.matrix_stride_bytes == 0) inst.fail("a matrix in a buffer has no MatrixStride");
+    Pointer column = layout;
+    column.component_stride_bytes = layout.row_major ? layout.matrix_stride_bytes : 4;
+    const uint64_t column_stride = layout.row_major ? 4 : layout.matrix_stride_bytes;
+    for (uint32_t c = 0; c < type.count; ++c) walk(type.element, at + c * column_stride, column);
+  }
+};
+
+void for_each_in_buffer(const Module& m, const Instruction& inst, const Pointer& p,
+                        const std::function<void(ir::Type, uint32_t)>& fn) {
+  m.flat_scalars(p.pointee);  // bounds the size
+  LayoutWalk{m, inst, fn}.walk(p.pointee, 0, p);
+}
+
+// The struct that a buffer variable points to, or to an array of which it points.
+const Type& block_type(const Module& m, uint32_t variable) {
+  const Type& type = m.type(m.variable(variable)->pointee);
+  return type.kind == TypeKind::kArray ? m.type(type.element) : type;
+}
+
+}  // namespace
+
+// ---- addresses ------------------------------------------------------------------------------------------------------------
+
+bool Translator::is_writable(const Pointer& p) const {
+  return p.storage == spv::StorageClassStorageBuffer ||
+         (p.storage == spv::StorageClassUniform && m.decorations_of(block_type(m, p.variable).id).buffer_block);
+}
+
+BufferRef Translator::buffer(const Instruction& inst, const Pointer& p) {
+  if (const auto cached = buffers_.find(p.variable); cached != buffers_.end()) return cached->second;
+  const Decorations& d = m.decorations_of(p.variable);
+  std::optional<BufferRef> ref;
+  if (p.storage == spv::StorageClassPushConstant) {
+    ref = stage.buffer(b, StageInterface::kPushConstants, 0, b.i32(0));
+  } else {
+    if (!d.set || !d.binding) inst.fail("buffer %" + std::to_string(p.variable) + " has no DescriptorSet or Binding");
+    ref = stage.buffer(b, *d.set, *d.binding, p.descriptor_index ? p.descriptor_index : b.i32(p.descriptor));
+  }
+  if (!ref) inst.fail("buffer %" + std::to_string(p.variable) + " is not in the pipeline layout");
+  return *ref;
+}
+
+ir::Address Translator::address(const Instruction& inst, const Pointer& p, uint32_t extra_bytes) {
+  if (p.storage == spv::StorageClassWorkgroup) {
+    const uint32_t start = m.shared_offset_bytes.at(p.variable) + 4 * p.offset + extra_bytes;
+    ir::Value offset = b.i32(start);
+    if (p.index) offset = b.iadd(b.shl(p.index, b.i32(2)), offset);
+    return {.base = shared_, .offset = offset, .limit = b.i32(m.info.shared_memory_bytes)};
+  }
+  const BufferRef ref = buffer(inst, p);
+  const uint64_t start = uint64_t{p.offset} + extra_bytes;
+  if (start > 0xffffffffull) inst.fail("an offset is beyond 4 GiB");
+  ir::Value offset = b.i32(static_cast<uint32_t>(start));
+  if (p.index) offset = b.iadd(p.index, offset);
+  return {.base = ref.base, .offset = offset, .limit = ref.size_bytes};
+}
+
+// Memory that nothing writes during the kernel may be read earlier: uniform memory always, storage buffers when this shader writes none.
+uint8_t Translator::load_flags(const Pointer& from) const {
+  return !is_writable(from) || !m.info.writes_memory ? ir::kInvariant : 0;
+}
+
+// ---- loads ----------------------------------------------------------------------------------------------------------------
+
+Values Translator::load(const Instruction& inst, const Pointer& from) {
+  switch (from.storage) {
+    case spv::StorageClassFunction:
+    case spv::StorageClassPrivate:
+    case spv::StorageClassInput:
+    case spv::StorageClassOutput: return load_flat(inst, from);
+    case spv::StorageClassWorkgroup:
+    case spv::StorageClassUniform:
+    case spv::StorageClassStorageBuffer:
+    case spv::StorageClassPushConstant: return load_memory(inst, from);
+    default: inst.fail("this storage class cannot be read here");
+  }
+}
+
+Values Translator::load_flat(const Instruction& inst, const Pointer& from) {
+  const Storage& s = storage(inst, from);
+  const std::vector<ir::Type> types = m.flat_scalars(from.pointee);
+  if (from.offset + types.size() > s.types.size()) inst.fail("the pointer is outside its variable");
+  const bool has_arrays = s.vars.empty() && s.constants.empty();
+  if (from.index && !has_arrays) inst.fail("the pointer was computed before its base");
+  Values out;
+  out.reserve(types.size());
+  for (uint32_t i = 0; i < types.size(); ++i) {
+    const uint32_t at = from.offset + i;
+    if (!from.index && s.types[at] != types[i]) inst.fail("the pointer does not fit its variable");
+    if (!s.constants.empty()) out.push_back(s.constants[at]);
+    else if (!s.vars.empty()) out.push_back(b.get(s.vars[at]));
+    else out.push_back(b.local_load(array_of(inst, s, types[i]), from.index ? b.iadd(from.index, b.i32(at)) : b.i32(at)));
+  }
+  return out;
+}
+
+Values Translator::load_memory(const Instruction& inst, const Pointer& from) {
+  Values out;
+  if (from.storage == spv::StorageClassWorkgroup) {
+    const std::vector<ir::Type> types = m.flat_scalars(from.pointee);
+    for (uint32_t i = 0; i < types.size(); ++i) {  // bools are 0 or 1 in memory
+      const bool is_bool = types[i] == ir::Type::kB1;
+      const ir::Value v = b.load(is_bool ? ir::Type::kI32 : types[i], address(inst, from, 4 * i));
+      out.push_back(is_bool ? b.ine(v, b.i32(0)) : v);
+    }
+    return out;
+  }
+  const uint8_t flags = load_flags(from);
+  for_each_in_buffer(m, inst, from, [&](ir::Type type, uint32_t at) { out.push_back(b.load(type, address(inst, from, at), flags)); });
+  return out;
+}
+
+// ---- stores ---------------------------------------------------------------------------------------------------------------
+
+void Translator::store(const Instruction& inst, const Pointer& to, const Values& values) {
+  const std::vector<ir::Type> types = m.flat_scalars(to.pointee);
+  if (types.size() != values.size()) inst.fail("the object does not have the pointee's type");
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (b.type(values[i]) != types[i]) inst.fail("the object does not have the pointee's type");
+  }
+  switch (to.storage) {
+    case spv::StorageClassFunction:
+    case spv::StorageClassPrivate:
+    case spv::StorageClassOutput: return store_flat(inst, to, values);
+    case spv::StorageClassWorkgroup: return store_memory(inst, to, values);
+    case spv::StorageClassUniform:
+    case spv::StorageClassStorageBuffer:
+      if (!is_writable(to)) inst.fail("uniform buffers cannot be written");
+      return effect([&] { store_memory(inst, to, values); });
+    default: inst.fail("this storage class cannot be written");
+  }
+}
+
+void Translator::store_flat(const Instruction& inst, const Pointer& to, const Values& values) {
+  const Storage& s = storage(inst, to);
+  if (to.offset + values.size() > s.types.size()) inst.fail("the pointer is outside its variable");
+  if (to.index && !s.vars.empty()) inst.fail("the pointer was computed before its base");
+  for (uint32_t i = 0; i < values.size(); ++i) {
+    const uint32_t at = to.offset + i;
+    if (!to.index && s.types[at] != b.type(values[i])) inst.fail("the pointer does not fit its variable");
+    if (!s.vars.empty()) {
+      b.set(s.vars[at], values[i]);
+      continue;
+    }
+    const ir::Value array = array_of(inst, s, b.type(values[i]));
+    b.local_store(array, to.index ? b.iadd(to.index, b.i32(at)) : b.i32(at), values[i]);
+  }
+}
+
+void Translator::store_memory(const Instruction& inst, const Pointer& to, const Values& values) {
+  uint32_t i = 0;
+  if (to.storage == spv::StorageClassWorkgroup) {
+    for (; i < values.size(); ++i) {
+      const bool is_bool = b.type(values[i]) == ir::Type::kB1;
+      b.store(address(inst, to, 4 * i), is_bool ? b.convert(ir::Op::kZExt, ir::Type::kI32, values[i]) : values[i]);
+    }
+    return;
+  }
+  for_each_in_buffer(m, inst, to, [&](ir::Type, uint32_t at) { b.store(address(inst, to, at), values[i++]); });
+}
+
+// ---- instructions ---------------------------------------------------------------------------------------------------------
+
+namespace {
+
+Opaque load_opaque(Translator& t, const Instruction& inst, const Pointer& p, const Type& type) {
+  const Decorations& d = t.m.decorations_of(p.variable);
+  if (!d.set || !d.binding) inst.fail("%" + std::to_string(p.variable) + " has no DescriptorSet or Binding");
+  const ImageRef ref{.set = *d.set, .binding = *d.binding, .array_index = p.descriptor};
+  switch (type.kind) {
+    case TypeKind::kImage: return {.image_type = type.id, .image = ref};
+    case TypeKind::kSampledImage: return {.image_type = type.element, .has_sampler = true, .image = ref, .sampler = ref};
+    case TypeKind::kSampler: return {.has_sampler = true, .sampler = ref};
+    default: inst.fail("this type cannot be loaded");
+  }
+}
+
+void op_load(Translator& t, const Instruction& inst) {
+  const Pointer p = t.pointer(inst, 3);
+  if (p.pointee != inst.word(1)) inst.fail("the result type is not what is pointed to");
+  const Type& type = t.result_type(inst);
+  if (p.storage == spv::StorageClassUniformConstant) t.define(inst, load_opaque(t, inst, p, type));
+  else t.define(inst, t.load(inst, p));
+}
+
+void op_store(Translator& t, const Instruction& inst) { t.store(inst, t.pointer(inst, 1), t.values(inst, 2)); }
+
+void op_copy_memory(Translator& t, const Instruction& inst) { t.store(inst, t.pointer(inst, 1), t.load(inst, t.pointer(inst, 2))); }
+
+void op_array_length(Translator& t, const Instruction& inst) {
+  const Pointer p = t.pointer(inst, 3);
+  const Type& type = t.m.type(p.pointee);
+  const uint32_t member = inst.word(4);
+  const bool fits = type.kind == TypeKind::kStruct && member + 1 == type.members.size() &&
+                    t.m.type(type.members[member]).kind == TypeKind::kRuntimeArray && p.storage != spv::StorageClassWorkgroup;
+  if (!fits) inst.fail("the member is not a runtime array at the end of a buffer's struct");
+  const ir::Value start = t.b.i32(member_offset_bytes(t.m, inst, type, member));
+  const ir::Value size = t.buffer(inst, p).size_bytes;
+  const ir::Value bytes = t.b.isub(t.b.umax(size, start), start);
+  t.define(inst, Values{t.b.udiv(bytes, t.b.i32(array_stride_bytes(t.m, inst, t.m.type(type.members[member]))))});
+}
+
+constexpr OpRow kRows[] = {
+    PINEDA_SPIRV_ROW(AccessChain, 4, access_chain),
+    PINEDA_SPIRV_ROW(InBoundsAccessChain, 4, access_chain),
+    PINEDA_SPIRV_ROW(Load, 4, op_load),
+    PINEDA_SPIRV_ROW(Store, 3, op_store),
+    PINEDA_SPIRV_ROW(CopyMemory, 3, op_copy_memory),
+    PINEDA_SPIRV_ROW(ArrayLength, 5, op_array_length),
+};
+
+}  // namespace
+
+std::span<const OpRow> memory_rows() { return kRows; }
+
+}  // namespace pineda::spirv
