@@ -4,13 +4,16 @@
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
-#include <optional>
+#include <new>
 
 #include "tools/error.h"
 
@@ -23,6 +26,7 @@ constexpr unsigned kPostProcess = aiProcess_Triangulate | aiProcess_JoinIdentica
                                   aiProcess_GenUVCoords | aiProcess_TransformUVCoords | aiProcess_SortByPType |
                                   aiProcess_FindInvalidData | aiProcess_ValidateDataStructure | aiProcess_FlipUVs;
 constexpr unsigned kMaxNodeDepth = 512;         // a file may nest nodes without end
+constexpr rlim_t kMaxLoadBytes = rlim_t{4} << 30;
 constexpr size_t kMaxVertexCount = 50'000'000;  // 36 bytes each; more is a broken file or the wrong tool
 
 glm::vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
@@ -34,6 +38,29 @@ glm::mat4 to_mat4(const aiMatrix4x4& m) {  // assimp keeps rows, GLM columns
 uint8_t to_byte(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
 bool is_finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Bounds what an importer may allocate: a broken file can claim any size, and importers believe it. Allocations beyond it fail, which
+// assimp reports as an error.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(rlim_t additional_bytes) {
+    std::ifstream statm("/proc/self/statm");
+    rlim_t used_pages = 0;
+    if (!(statm >> used_pages) || getrlimit(RLIMIT_AS, &before_) != 0) return;
+    rlimit limited = before_;
+    limited.rlim_cur = std::min<rlim_t>(before_.rlim_cur, used_pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + additional_bytes);
+    is_set_ = setrlimit(RLIMIT_AS, &limited) == 0;
+  }
+  ~MemoryLimit() {
+    if (is_set_) setrlimit(RLIMIT_AS, &before_);
+  }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  bool is_set_ = false;
+};
 
 class ModelLoader {
  public:
@@ -197,6 +224,13 @@ size_t Model::triangle_count() const {
   return count;
 }
 
-Model load_model(const std::string& path) { return ModelLoader(path).load(); }
+Model load_model(const std::string& path) {
+  const MemoryLimit limit(kMaxLoadBytes);
+  try {
+    return ModelLoader(path).load();
+  } catch (const std::bad_alloc&) {
+    fail("{}: needs more than {} GiB to load", path, kMaxLoadBytes >> 30);
+  }
+}
 
 }  // namespace pineda::tools
