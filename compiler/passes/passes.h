@@ -17,8 +17,8 @@ void ssa(ir::Kernel& k);
 // Removes dead instructions, unused results and carried values, Ifs and Loops without effect.
 void dce(ir::Kernel& k);
 
-// fadd(fmul(a, b), c) -> fma, the left product first, whatever the other uses of the product; never across kNoContract, which all the rest has
-// afterwards. Context-free: depends on the expression alone.
+// fadd(fmul(a, b), c) -> fma, the left product first, whatever the other uses of the product; never across kNoContract, which all
+// the rest has afterwards. Context-free: depends on the expression alone.
 void fuse_fma(ir::Kernel& k);
 
 // Constants, identities that hold bit for bit, Ifs that are decided.

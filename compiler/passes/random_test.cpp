@@ -67,6 +67,18 @@ TEST(RandomKernels, OptimizeKeepsWhatFuseFmaDefines) {
   }
 }
 
+// The truth is the truth of the kernel as it was built.
+TEST(RandomKernels, OptimizeKeepsTheTruth) {
+  for (uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
+    ir::RandomKernel random(seed, {.transcendentals = true});
+    ir::Kernel optimized = random.kernel();
+    optimize(optimized, Form::kTruth);
+    ASSERT_EQ(ir::verify(optimized), "") << "seed " << seed;
+    ASSERT_EQ(evaluate(random, random.kernel(), eval::Mode::kF64), evaluate(random, optimized, eval::Mode::kF64))
+        << "seed " << seed;
+  }
+}
+
 TEST(RandomKernels, DryRunEqualsRun) {
   for (uint64_t seed = kFirstSeed; seed < kFirstSeed + 50; ++seed) {
     ir::RandomKernel random(seed);

@@ -43,32 +43,6 @@ bool is_commutative(Op op) {
   }
 }
 
-// The comparison that is true exactly when `op` is false; kInvalid when there is none (ordered floats). `swap`: with operands
-// swapped.
-Op negated(Op op, bool& swap) {
-  swap = op == Op::kULt || op == Op::kULe || op == Op::kSLt || op == Op::kSLe;
-  switch (op) {
-    case Op::kIEq:
-      return Op::kINe;
-    case Op::kINe:
-      return Op::kIEq;
-    case Op::kULt:
-      return Op::kULe;
-    case Op::kULe:
-      return Op::kULt;
-    case Op::kSLt:
-      return Op::kSLe;
-    case Op::kSLe:
-      return Op::kSLt;
-    case Op::kFEq:
-      return Op::kFNe;
-    case Op::kFNe:
-      return Op::kFEq;
-    default:
-      return Op::kInvalid;
-  }
-}
-
 // Whether 1 / v is exact and both are normal numbers of the type, so that x / v and x * (1 / v) round the same exact quotient.
 bool has_exact_reciprocal(Type type, double v) {
   int exponent = 0;
@@ -267,15 +241,10 @@ Outcome Simplifier::logic(Inst& inst) {
   return become(inst, inst.op, {x, constant(inst.type, both)});
 }
 
+// A negated comparison stays: LLVM turns it around for free, and assume() in fold.cpp knows that the two are opposites.
 Outcome Simplifier::logic_not(Inst& inst) {
   const Inst& inner = def(inst.operand[0]);
-  if (inner.op == Op::kNot) return is(inner.operand[0]);
-  if (inst.type != Type::kB1) return kNothing;
-  bool swap = false;
-  const Op op = negated(inner.op, swap);
-  if (op == Op::kInvalid) return kNothing;
-  const Value a = inner.operand[0], b = inner.operand[1];
-  return swap ? become(inst, op, {b, a}) : become(inst, op, {a, b});
+  return inner.op == Op::kNot ? is(inner.operand[0]) : kNothing;
 }
 
 Outcome Simplifier::shift(Inst& inst) {
@@ -351,6 +320,12 @@ Outcome Simplifier::divide(Inst& inst) {
 
 // ---- conversions, select, the rest ----------------------------------------------------------------------------------------
 
+// In the truth a conversion away from F16 or F32 and back may round, since such values are doubles there.
+bool Simplifier::rounds(Value x, Type through) const {
+  if (floats_ == ir::Floats::kNative || !ir::is_float(type(x)) || type(x) == Type::kF64) return false;
+  return ir::is_int(through) || type(x) == Type::kF16;
+}
+
 Outcome Simplifier::conversion(Inst& inst) {
   const Inst inner = def(inst.operand[0]);
   const Value x = inner.operand[0];
@@ -364,10 +339,10 @@ Outcome Simplifier::conversion(Inst& inst) {
       if (inner.op == Op::kTrunc) return become(inst, Op::kTrunc, {x});
       return (inner.op == Op::kZExt || inner.op == Op::kSExt) && type(x) == inst.type ? is(x) : kNothing;
     case Op::kBitcast:
-      if (inner.op != Op::kBitcast) return kNothing;
+      if (inner.op != Op::kBitcast || rounds(x, inner.type)) return kNothing;
       return type(x) == inst.type ? is(x) : become(inst, Op::kBitcast, {x});
     case Op::kFConvert:  // widening is exact
-      if (inner.op != Op::kFConvert || type(x) != inst.type) return kNothing;
+      if (inner.op != Op::kFConvert || type(x) != inst.type || rounds(x, inner.type)) return kNothing;
       return ir::size_bytes(inner.type) > ir::size_bytes(inst.type) ? is(x) : kNothing;
     default:
       return kNothing;

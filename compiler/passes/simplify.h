@@ -40,6 +40,8 @@ class Simplifier {
   std::optional<double> number(ir::Value v) const;
   bool is_imm(ir::Value v, uint64_t bits) const { return imm(v) == bits; }
 
+  bool rounds(ir::Value x, ir::Type through) const;
+
   Outcome rule(ir::Inst& inst);
   Outcome constants(const ir::Inst& inst);
   Outcome integer(ir::Inst& inst);
