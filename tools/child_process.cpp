@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <utility>
 
 #include "tools/error.h"
 
@@ -85,7 +86,13 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const Envi
 }
 
 ChildProcess::~ChildProcess() {
-  close(command_fd_);  // the child's loop ends at the end of its input
+  finish();
+  close(reply_fd_);
+  close(output_fd_);
+}
+
+std::optional<std::string> ChildProcess::finish() {
+  if (command_fd_ >= 0) close(std::exchange(command_fd_, -1));  // the child's loop ends at the end of its input
   const auto deadline = Clock::now() + kGracePeriod;
   while (!status_ && Clock::now() < deadline) {
     int status = 0;
@@ -94,10 +101,11 @@ ChildProcess::~ChildProcess() {
   }
   if (!status_) {
     kill();
-    waitpid(pid_, nullptr, 0);
+    wait_and_describe();
+    return "did not end by itself";
   }
-  close(reply_fd_);
-  close(output_fd_);
+  if (*status_ == 0) return std::nullopt;
+  return wait_and_describe();
 }
 
 bool ChildProcess::write_line(const std::string& line) {

@@ -27,6 +27,8 @@ class ChildProcess {
   bool write_line(const std::string& line);  // false when the child is gone
   Status read_line(std::string& line, std::chrono::milliseconds timeout);
 
+  // Closes the child's input and waits for its end, by force when it takes too long. Nothing for a good end, else a description.
+  std::optional<std::string> finish();
   void kill();
   std::string wait_and_describe();  // e.g. "was killed by signal 11 (Segmentation fault)"
   std::string last_output() const;  // the end of what it printed to stdout and stderr

@@ -100,6 +100,7 @@ class Comparer {
       run.median_ms = median(frames_ms);
       run.notes = drawn.at("notes");
       run.validation = process.request({{"command", "close"}}, timeout).at("validation");
+      process.finish();
       run.picture = load_image(png_path);
     } catch (const ToolError& error) {
       run.error = error.what();

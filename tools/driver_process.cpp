@@ -40,6 +40,11 @@ json DriverProcess::request(const json& command, std::chrono::milliseconds timeo
   }
 }
 
+std::string DriverProcess::finish() {
+  if (const auto failure = child_.finish()) fail_with("at its end, the driver's process " + *failure);
+  return child_.last_output();
+}
+
 void DriverProcess::fail_with(const std::string& reason) {
   const std::string output = child_.last_output();
   fail("{}: {}{}{}", label_, reason, output.empty() ? "" : "\n  its last output: ", output);

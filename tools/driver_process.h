@@ -21,6 +21,9 @@ class DriverProcess {
   // reports an error, dies, or says nothing for `timeout` (then it is ended).
   nlohmann::json request(const nlohmann::json& command, std::chrono::milliseconds timeout, const Progress& progress = {});
 
+  // Lets the process end and returns what the driver printed. Throws ToolError when it does not end well.
+  std::string finish();
+
  private:
   [[noreturn]] void fail_with(const std::string& reason);
 

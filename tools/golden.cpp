@@ -58,6 +58,7 @@ int check_golden(const std::string& path, const DriverSpec& driver, bool update,
     line.text = fmt::format("{} {}x{} {}", line.scene, line.size.width, line.size.height, hash);
   }
   const json messages = process.request({{"command", "close"}}, kTimeout).at("validation");
+  if (const std::string output = process.finish(); !output.empty()) fmt::print("{}\n", output);
   for (const json& message : messages) fmt::print("validation: {}\n", message.get<std::string>());
   if (update) {
     std::ofstream file(path);

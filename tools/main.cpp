@@ -81,6 +81,7 @@ int run_render(const Arguments& arguments) {
   if (arguments.hash)
     fmt::print("{} {}x{} {}\n", arguments.scenes[0], size.width, size.height, result.at("hash").get<std::string>());
   const json messages = process.request({{"command", "close"}}, timeout).at("validation");
+  if (const std::string output = process.finish(); !output.empty()) fmt::print(stderr, "{}\n", output);
   for (const json& message : messages) fmt::print(stderr, "validation: {}\n", message.get<std::string>());
   return messages.empty() ? 0 : kFailed;
 }
@@ -159,6 +160,11 @@ int run(int argument_count, char** arguments_begin) {
   Arguments arguments;
   int status = 0;
   add_verbs(app, arguments, status);
+  const auto is_given = [&](const CLI::App* verb) { return verb->check_name(arguments_begin[1]); };
+  if (argument_count > 1 && arguments_begin[1][0] != '-' && app.get_subcommands(is_given).empty()) {
+    fmt::print(stderr, "pineda: unknown verb '{}'; see pineda --help\n", arguments_begin[1]);
+    return kUsageError;
+  }
   try {
     app.parse(argument_count, arguments_begin);
   } catch (const CLI::ParseError& error) {

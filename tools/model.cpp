@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr unsigned kPostProcess = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_GenSmoothNormals |
                                   aiProcess_GenUVCoords | aiProcess_TransformUVCoords | aiProcess_SortByPType |
                                   aiProcess_FindInvalidData | aiProcess_ValidateDataStructure | aiProcess_FlipUVs;
-constexpr unsigned kMaxNodeDepth = 512;         // a file may nest nodes without end
+constexpr unsigned kMaxNodeDepth = 512;  // a file may nest nodes without end
 constexpr rlim_t kMaxLoadBytes = rlim_t{4} << 30;
 constexpr size_t kMaxVertexCount = 50'000'000;  // 36 bytes each; more is a broken file or the wrong tool
 
@@ -39,8 +39,8 @@ uint8_t to_byte(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0
 
 bool is_finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// Bounds what an importer may allocate: a broken file can claim any size, and importers believe it. Allocations beyond it fail, which
-// assimp reports as an error.
+// Bounds what an importer may allocate: a broken file can claim any size, and importers believe it. Allocations beyond it fail,
+// which assimp reports as an error.
 class MemoryLimit {
  public:
   explicit MemoryLimit(rlim_t additional_bytes) {
@@ -48,7 +48,8 @@ class MemoryLimit {
     rlim_t used_pages = 0;
     if (!(statm >> used_pages) || getrlimit(RLIMIT_AS, &before_) != 0) return;
     rlimit limited = before_;
-    limited.rlim_cur = std::min<rlim_t>(before_.rlim_cur, used_pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + additional_bytes);
+    limited.rlim_cur =
+        std::min<rlim_t>(before_.rlim_cur, used_pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + additional_bytes);
     is_set_ = setrlimit(RLIMIT_AS, &limited) == 0;
   }
   ~MemoryLimit() {
