@@ -1,0 +1,214 @@
+// Error of the transcendental functions: the lowered IR, run by the evaluator in binary32, against the C library in double
+// precision, which is exact beside a binary32 ULP.
+#include "compiler/passes/lower_math.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <random>
+
+#include "compiler/eval/eval.h"
+#include "compiler/passes/passes.h"
+
+namespace pineda::passes {
+namespace {
+
+using ir::Op;
+using ir::Type;
+
+struct Wave {
+  uint32_t mask;
+  uint32_t index;
+};
+
+// y[i] = op(x[i], z[i]): one kernel over arrays, 16 elements a wave.
+class Function {
+ public:
+  explicit Function(Op op) {
+    kernel_.wave_stride_bytes = sizeof(Wave);
+    ir::Builder b(kernel_);
+    const ir::Value first = b.shl(b.load(Type::kI32, b.wave_ptr(), offsetof(Wave, index)), b.i32(6));
+    const auto array = [&](uint32_t i) {
+      return ir::Address{.base = b.load(Type::kPtr, b.draw_ptr(), 8 * i, ir::kInvariant), .offset = first, .lane_stride = 4};
+    };
+    const ir::Value x = b.load(Type::kF32, array(0)), z = b.load(Type::kF32, array(1));
+    b.store(array(2), ir::op_info(op).operands == 2 ? b.op(op, Type::kF32, {x, z}) : b.op(op, Type::kF32, {x}));
+    lower_math(kernel_);
+    const std::string fault = ir::verify(kernel_);
+    EXPECT_EQ(fault, "");
+  }
+
+  std::vector<float> operator()(std::vector<float> x, std::vector<float> z = {}) const {
+    const size_t count = x.size();
+    x.resize((count + 15) / 16 * 16);
+    z.resize(x.size());
+    std::vector<float> y(x.size());
+    std::vector<Wave> waves;
+    for (uint32_t i = 0; i < x.size() / 16; ++i) waves.push_back({0xffff, i});
+    const void* draw[3] = {x.data(), z.data(), y.data()};
+    const PrimRecord prim{nullptr, 0, static_cast<uint32_t>(waves.size())};
+    eval::run(kernel_, eval::Mode::kF32, draw, nullptr, &prim, 1, waves.data());
+    y.resize(count);
+    return y;
+  }
+
+ private:
+  ir::Kernel kernel_;
+};
+
+// Distance in units of the last place that the exact result has as a binary32; 0 when both are NaN or the same infinity.
+double ulp_error(float got, double exact) {
+  if (std::isnan(exact) || std::isnan(got)) return std::isnan(exact) && std::isnan(got) ? 0 : INFINITY;
+  const float rounded = static_cast<float>(exact);
+  if (got == rounded)
+    return std::isinf(rounded) ? 0 : std::fabs(got - exact) / std::ldexp(1.0, std::max(std::ilogb(exact), -126) - 23);
+  if (std::isinf(got)) return std::fabs(exact) > 0x1.fffffdp127 ? 1 : INFINITY;
+  if (std::isinf(rounded)) return 0x1p128 - std::fabs(got) < 0x1p105 ? 1 : INFINITY;
+  const int exponent = exact == 0 ? -126 : std::max(std::ilogb(exact), -126);
+  return std::fabs(got - exact) / std::ldexp(1.0, exponent - 23);
+}
+
+float from_bits(uint32_t bits) { return std::bit_cast<float>(bits); }
+
+// 2^18 values that cover every sign, exponent and leading mantissa bits; the low bits are random.
+std::vector<float> all_floats(uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<float> x;
+  for (uint32_t i = 0; i < 1u << 18; ++i) x.push_back(from_bits(i << 14 | (random() & 0x3fff)));
+  return x;
+}
+
+std::vector<float> range(double low, double high, uint32_t count) {
+  std::vector<float> x;
+  for (uint32_t i = 0; i < count; ++i) x.push_back(static_cast<float>(low + (high - low) * i / (count - 1)));
+  return x;
+}
+
+constexpr uint32_t kSeed = 20240501;
+
+struct Case {
+  const char* name;
+  Op op;
+  double (*exact)(double);
+  double low, high;  // a range sampled densely as well
+  double limit_ulp;  // as lower_math.h states it
+};
+
+class Unary : public testing::TestWithParam<Case> {};
+
+TEST_P(Unary, ErrorIsBelowItsLimit) {
+  const Case& c = GetParam();
+  std::vector<float> x = all_floats(kSeed);
+  for (const float v : range(c.low, c.high, 1u << 18)) x.push_back(v);
+  const std::vector<float> y = Function(c.op)(x);
+  double worst = 0;
+  float where = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double error = ulp_error(y[i], c.exact(x[i]));
+    if (error > worst) worst = error, where = x[i];
+  }
+  std::printf("%s: %.3f ULP at %a (seed %u)\n", c.name, worst, where, kSeed);
+  EXPECT_LE(worst, c.limit_ulp) << c.name << "(" << where << ")";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    LowerMath, Unary,
+    testing::Values(Case{"exp2", Op::kFExp2, std::exp2, -150, 129, 1.0}, Case{"exp", Op::kFExp, std::exp, -104, 89, 1.0},
+                    Case{"log2", Op::kFLog2, std::log2, 0.25, 4, 1.0}, Case{"log", Op::kFLog, std::log, 0.25, 4, 1.0},
+                    Case{"sin", Op::kFSin, std::sin, -400, 400, 1.5}, Case{"cos", Op::kFCos, std::cos, -400, 400, 1.5},
+                    Case{"tan", Op::kFTan, std::tan, -400, 400, 3.0}, Case{"asin", Op::kFAsin, std::asin, -1, 1, 2.0},
+                    Case{"acos", Op::kFAcos, std::acos, -1, 1, 2.0}, Case{"atan", Op::kFAtan, std::atan, -4, 4, 1.5}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(LowerMath, Pow) {
+  std::mt19937 random(kSeed);
+  std::vector<float> x, y;
+  // Bases of every size, exponents that bring the result anywhere between underflow and overflow; then bases near one.
+  for (uint32_t i = 0; i < 1u << 18; ++i) {
+    const double base = i % 2 ? from_bits(random() % 0x7f800000)
+                              : 1 + std::ldexp(static_cast<double>(random()) - 0x1p31, -32 - static_cast<int>(random() % 20));
+    const double target = (random() / 0x1p32 - 0.5) * 300;
+    x.push_back(static_cast<float>(base));
+    y.push_back(static_cast<float>(target / std::log2(std::max(base, 1e-45) == 1 ? 2 : base)));
+  }
+  const std::vector<float> z = Function(Op::kFPow)(x, y);
+  double worst = 0;
+  size_t where = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double error = ulp_error(z[i], std::pow(x[i], y[i]));
+    if (error > worst) worst = error, where = i;
+  }
+  std::printf("pow: %.3f ULP at (%a, %a)\n", worst, x[where], y[where]);
+  EXPECT_LE(worst, 2.0) << x[where] << " " << y[where];
+}
+
+TEST(LowerMath, PowOfSpecialValues) {
+  const float inf = INFINITY;
+  const std::vector<float> x{0, 0, 0, inf, inf, inf, 1, 1, 2, 2, 0.5, 0.5, 3, NAN, 2, 7},
+      y{0, 2, -2, 0, 2, -2, inf, NAN, inf, -inf, inf, -inf, 0, 2, NAN, 1};
+  const std::vector<float> z = Function(Op::kFPow)(x, y);
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double want = std::pow(static_cast<double>(x[i]), static_cast<double>(y[i]));
+    EXPECT_EQ(ulp_error(z[i], want) <= 1, true) << "pow(" << x[i] << ", " << y[i] << ") = " << z[i] << ", not " << want;
+  }
+  EXPECT_TRUE(std::isnan(Function(Op::kFPow)({-2}, {2})[0]));
+}
+
+TEST(LowerMath, Atan2) {
+  std::mt19937 random(kSeed);
+  std::vector<float> y, x;
+  for (uint32_t i = 0; i < 1u << 18; ++i) {
+    y.push_back(i % 2 ? from_bits(random()) : static_cast<float>(random() / 0x1p31 - 1));
+    x.push_back(i % 2 ? from_bits(random()) : static_cast<float>(random() / 0x1p31 - 1));
+  }
+  for (const float a : {0.0f, -0.0f, 1.0f, -1.0f, INFINITY, -INFINITY, NAN}) {
+    for (const float c : {0.0f, -0.0f, 1.0f, -1.0f, INFINITY, -INFINITY, NAN}) y.push_back(a), x.push_back(c);
+  }
+  const std::vector<float> z = Function(Op::kFAtan2)(y, x);
+  double worst = 0;
+  size_t where = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double exact = std::atan2(static_cast<double>(y[i]), static_cast<double>(x[i]));
+    const double error = ulp_error(z[i], exact);
+    if (error > worst) worst = error, where = i;
+    if (!std::isnan(exact)) {
+      ASSERT_EQ(std::signbit(z[i]), std::signbit(exact)) << y[i] << " " << x[i];
+    }
+  }
+  std::printf("atan2: %.3f ULP at (%a, %a)\n", worst, y[where], x[where]);
+  EXPECT_LE(worst, 2.0) << y[where] << " " << x[where];
+}
+
+TEST(LowerMath, KeepsSignedZeros) {
+  for (const Op op : {Op::kFSin, Op::kFTan, Op::kFAsin, Op::kFAtan}) {
+    const std::vector<float> y = Function(op)({0.0f, -0.0f});
+    EXPECT_EQ(std::bit_cast<uint32_t>(y[0]), 0u);
+    EXPECT_EQ(std::bit_cast<uint32_t>(y[1]), 0x80000000u);
+  }
+}
+
+TEST(LowerMath, IsIdempotent) {
+  ir::Kernel kernel;
+  ir::Builder b(kernel);
+  b.store({.base = b.draw_ptr()}, b.fsin(b.flog2(b.load(Type::kF32, b.draw_ptr(), 0))));
+  lower_math(kernel);
+  const std::string once = ir::print(kernel);
+  EXPECT_EQ(once.find("fsin"), std::string::npos);
+  lower_math(kernel);
+  EXPECT_EQ(ir::print(kernel), once);
+}
+
+TEST(LowerMath, Binary16GoesThroughBinary32) {
+  ir::Kernel kernel;
+  ir::Builder b(kernel);
+  b.store({.base = b.draw_ptr()}, b.fexp2(b.load(Type::kF16, b.draw_ptr(), 2)));
+  lower_math(kernel);
+  EXPECT_EQ(ir::verify(kernel), "");
+  EXPECT_EQ(ir::print(kernel).find("fexp2"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pineda::passes
