@@ -2,10 +2,11 @@
 // the same bits. Largest errors, measured by lower_math_test.cpp against double precision over the whole range (ULP of the
 // result):
 //
-//     exp2, exp 1.0    log2, log 1.0    pow 1.6    sin, cos 1.5    tan 3    asin, acos 2    atan 1.5    atan2 2
+//     exp2, exp 1.0    log2, log 1.0    pow 2.1    sin, cos 2.1    tan 3.5    asin 2.5    acos 2    atan 1.5    atan2 2
 //
 // Vulkan 1.3 ("Precision and Operation of SPIR-V Instructions") asks for 3 + 2|x| (exp2, exp), 3 (log2, log), 2^-11 absolute
 // (sin, cos) and 4096 (atan2) ULP. Infinities, zeros and NaN follow C's Annex F, but for pow of a negative base, which is NaN.
+// sin and tan of -0 are +0.
 // Denormals are kept.
 #pragma once
 

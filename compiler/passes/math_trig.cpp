@@ -68,7 +68,8 @@ Reduced reduce_large(Math& m, Value x) {
   const Value top = b.iadd(b.shl(product[0], thirty_two), middle);
   const Value fraction = b.shl(top, b.i64(2));  // signed: in [-1/2, 1/2) of pi/2, which moves the quadrant up by its sign bit
   const Value quadrant = b.iadd(b.lshr(top, b.i64(62)), b.lshr(fraction, b.i64(63)));
-  const Value scaled = m.mul(b.convert(Op::kSToF, Type::kF32, fraction), m.f(kPio2[0] * 0x1p-64));
+  const Value part = b.convert(Op::kSToF, Type::kF32, fraction);  // times pi/2 * 2^-64, in two parts
+  const Value scaled = m.fma(part, m.f(kPio2[0] * 0x1p-64), m.mul(part, m.f(kPio2[1] * 0x1p-64)));
   const Value negative = b.slt(bits, b.i32(0));
   const Value q = b.convert(Op::kTrunc, Type::kI32, quadrant);
   const Value r = b.select(b.flt(b.fabs(x), m.inf()), scaled, m.nan());
