@@ -159,4 +159,7 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source);
 // Runs passes and back end on a finished kernel (tests, internal kernels).
 Result<KernelPtr> compile_kernel(ir::Kernel kernel);
 
+// PINEDA_MODE=check: stored bytes so far in which machine code and evaluator differed. Each kernel call that differs is reported as well.
+uint64_t check_mismatches();
+
 }  // namespace pineda::compiler

@@ -187,7 +187,6 @@ Result<FragmentKernel> build_fragment(const compiler::GraphicsSource& source, co
   out.ir.wave_stride_bytes = sizeof(FragmentWave);
   FragmentBuilder builder(source, shader, out);
   if (const Result<void> done = builder.build(); !done) return std::unexpected(done.error());
-  out.varyings = compact_varyings(out.ir);
   return out;
 }
 

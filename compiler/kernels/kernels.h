@@ -17,9 +17,7 @@ struct Shader {
 Shader shader_of(const spirv::Module& module);  // keeps a reference
 
 struct FragmentKernel {
-  ir::Kernel ir;
-  std::vector<compiler::VaryingSlot>
-      varyings;  // slot 4 + i of the vertex record holds varyings[i]; only those that are read after dce
+  ir::Kernel ir;  // varyings are in provisional slots
   bool early_depth = true, reads_color = false, opaque = false, has_side_effects = false;
 };
 
@@ -30,8 +28,8 @@ Result<ir::Kernel> build_vertex(const compiler::GraphicsSource& source, const Sh
                                 std::span<const compiler::VaryingSlot> varyings);
 Result<ir::Kernel> build_compute(const compiler::ComputeSource& source, const Shader& shader);
 
-// Renumbers the varyings that a fragment kernel reads (its loads through FragmentPrim::vertex) to slots 4, 5, ... and tells which
-// they are. `slot` numbers before: 4 + location * 4 + component.
+// After the passes: renumbers the varyings that a fragment kernel still reads (its loads through FragmentPrim::vertex) to slots
+// 4, 5, ... and tells which they are: slot 4 + i of the vertex record holds the i-th. Before, the slot is provisional_slot().
 std::vector<compiler::VaryingSlot> compact_varyings(ir::Kernel& kernel);
 constexpr uint32_t provisional_slot(uint32_t location, uint32_t component) { return 4 + location * 4 + component; }
 

@@ -49,7 +49,7 @@ std::vector<compiler::VaryingSlot> compact_varyings(Kernel& kernel) {
     const uint32_t provisional = static_cast<uint32_t>(offset_bytes / kVertexSlotBytes) - provisional_slot(0, 0);
     const uint64_t slot = provisional_slot(0, 0) + varyings.size();
     constant = Value{static_cast<uint32_t>(kernel.insts.size())};
-    kernel.insts.push_back({.op = Op::kConst, .type = ir::Type::kI32, .imm = slot * kVertexSlotBytes});
+    kernel.insts.push_back({.op = Op::kConst, .type = ir::Type::kI32, .rate = ir::Rate::kDraw, .imm = slot * kVertexSlotBytes});
     constants.push_back(constant);
     varyings.push_back({provisional / 4, provisional % 4});
   }

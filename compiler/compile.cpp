@@ -1,0 +1,47 @@
+#include "compiler/compile.h"
+
+#include "compiler/kernel_cache.h"
+#include "compiler/kernels/kernels.h"
+
+namespace pineda::compiler {
+
+Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
+  if (!source.vertex || !source.layout) return compile_error("A graphics pipeline needs a vertex shader and a layout.");
+  // The fragment kernel first: it tells which varyings are read.
+  kernels::Shader fragment_shader;
+  if (source.fragment) fragment_shader = kernels::shader_of(*source.fragment);
+  Result<kernels::FragmentKernel> fragment = kernels::build_fragment(source, source.fragment ? &fragment_shader : nullptr);
+  if (!fragment) return std::unexpected(fragment.error());
+  Result<ExecutablePtr> fragment_code = cached_executable(std::move(fragment->ir));
+  if (!fragment_code) return std::unexpected(fragment_code.error());
+  const std::vector<VaryingSlot>& varyings = (*fragment_code)->varyings;
+  Result<ir::Kernel> vertex = kernels::build_vertex(source, kernels::shader_of(*source.vertex), varyings);
+  if (!vertex) return std::unexpected(vertex.error());
+  Result<ExecutablePtr> vertex_code = cached_executable(std::move(*vertex));
+  if (!vertex_code) return std::unexpected(vertex_code.error());
+  return GraphicsKernels{.vertex = *vertex_code,
+                         .fragment = *fragment_code,
+                         .vertex_slots = static_cast<uint32_t>(4 + varyings.size()),
+                         .early_depth = fragment->early_depth,
+                         .reads_color = fragment->reads_color,
+                         .opaque = fragment->opaque,
+                         .has_side_effects = fragment->has_side_effects};
+}
+
+Result<ComputeKernel> compile_compute(const ComputeSource& source) {
+  if (!source.module || !source.layout) return compile_error("A compute pipeline needs a shader and a layout.");
+  const kernels::Shader shader = kernels::shader_of(*source.module);
+  Result<ir::Kernel> kernel = kernels::build_compute(source, shader);
+  if (!kernel) return std::unexpected(kernel.error());
+  Result<ExecutablePtr> code = cached_executable(std::move(*kernel));
+  if (!code) return std::unexpected(code.error());
+  return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes};
+}
+
+Result<KernelPtr> compile_kernel(ir::Kernel kernel) {
+  Result<ExecutablePtr> code = cached_executable(std::move(kernel));
+  if (!code) return std::unexpected(code.error());
+  return *code;
+}
+
+}  // namespace pineda::compiler

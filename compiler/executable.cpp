@@ -1,0 +1,195 @@
+#include "compiler/executable.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "base/config.h"
+#include "base/log.h"
+#include "compiler/eval/eval.h"
+#include "compiler/ir/walk.h"
+#include "compiler/jit/jit.h"
+#include "compiler/kernels/kernels.h"
+#include "compiler/passes/passes.h"
+
+namespace pineda::compiler {
+namespace {
+
+std::atomic<uint64_t> mismatch_count{0};
+
+// ---- dumps ----------------------------------------------------------------------------------------------------------------
+
+void dump(const std::string& name, const KernelHash& hash, const char* extension, const std::string& text) {
+  const std::string file_name = name + "." + hash.text() + "." + extension;
+  const std::string& directory = config().debug_dir;
+  std::FILE* file = directory.empty() ? stderr : std::fopen((directory + "/" + file_name).c_str(), "w");
+  if (!file) {
+    report(Severity::kWarning, "cannot write " + directory + "/" + file_name);
+    return;
+  }
+  if (file == stderr) std::fprintf(file, "==== %s\n", file_name.c_str());
+  std::fwrite(text.data(), 1, text.size(), file);
+  if (file != stderr) std::fclose(file);
+}
+
+class Stopwatch {
+ public:
+  double lap_ms() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
+    start_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// ---- back ends ------------------------------------------------------------------------------------------------------------
+
+// Machine code, released with its owner.
+class MachineCode {
+ public:
+  MachineCode(const jit::Api& api, jit::Code code) : api_(&api), code_(std::move(code)) {}
+  ~MachineCode() { api_->release(code_.owner); }
+  MachineCode(const MachineCode&) = delete;
+  MachineCode& operator=(const MachineCode&) = delete;
+  const jit::Code& code() const { return code_; }
+
+ private:
+  const jit::Api* api_;
+  jit::Code code_;
+};
+
+Result<std::unique_ptr<MachineCode>> compile_machine_code(const ir::Kernel& kernel, const KernelHash& hash) {
+  std::string error;
+  const jit::Api* api = jit::api(&error);
+  if (!api) return compile_error(error);
+  const jit::Isa isa = jit::select_isa(&error);
+  if (!error.empty()) return compile_error(error);
+  jit::Code code = api->compile(kernel, {.isa = isa, .want_llvm_ir = debug(kDebugLlvm), .want_assembly = debug(kDebugAsm)});
+  if (!code.error.empty()) return compile_error(kernel.name + ": " + code.error);
+  if (debug(kDebugLlvm)) dump(kernel.name, hash, "ll", code.llvm_ir);
+  if (debug(kDebugAsm)) dump(kernel.name, hash, "s", code.assembly);
+  return std::make_unique<MachineCode>(*api, std::move(code));
+}
+
+bool has_atomics(const ir::Kernel& kernel) {
+  bool found = false;
+  ir::for_each_inst(kernel, kernel.wave, [&](ir::Value v) { found |= kernel.at(v).op == ir::Op::kAtomic; });
+  return found;
+}
+
+class BackedKernel final : public Executable {
+ public:
+  Result<void> build(const KernelHash& hash) {
+    const Mode mode = config().mode;
+    if (mode != Mode::kJit) program_.emplace(ir, mode == Mode::kF64 ? eval::Mode::kF64 : eval::Mode::kF32);
+    if (mode == Mode::kF32 || mode == Mode::kF64) {
+      handle = {&eval::Program::invoke, &*program_};
+      return {};
+    }
+    Result<std::unique_ptr<MachineCode>> code = compile_machine_code(ir, hash);
+    if (!code) return std::unexpected(code.error());
+    machine_ = std::move(*code);
+    // Other threads may change what an atomic sees between the two runs, so such kernels are not compared.
+    const bool check = mode == Mode::kCheck && !has_atomics(ir);
+    handle = check ? KernelHandle{&run_checked, this} : KernelHandle{machine_->code().fn, nullptr};
+    return {};
+  }
+
+  uint64_t code_bytes() const { return machine_ ? machine_->code().size_bytes : 0; }
+
+ private:
+  // PINEDA_MODE=check: what the evaluator would store, then the machine code, then the difference.
+  static void run_checked(const KernelHandle* handle, const void* draw, void* thread, const PrimRecord* prims,
+                          uint32_t prim_count, const void* waves) {
+    const auto& self = *static_cast<const BackedKernel*>(handle->self);
+    const std::vector<eval::WrittenByte> expected = self.program_->dry_run(draw, thread, prims, prim_count, waves);
+    const KernelHandle machine{self.machine_->code().fn, nullptr};
+    machine(draw, thread, prims, prim_count, waves);
+    uint64_t wrong = 0, first = 0;
+    for (const eval::WrittenByte& byte : expected) {
+      if (*reinterpret_cast<const uint8_t*>(byte.address) == byte.value) continue;
+      if (wrong++ == 0) first = byte.address;
+    }
+    if (wrong == 0) return;
+    mismatch_count += wrong;
+    char text[160];
+    std::snprintf(text, sizeof text, ": machine code and evaluator differ in %llu of %zu stored bytes, first at %#llx",
+                  static_cast<unsigned long long>(wrong), expected.size(), static_cast<unsigned long long>(first));
+    report(Severity::kError, self.ir.name + text);
+  }
+
+  std::optional<eval::Program> program_;
+  std::unique_ptr<MachineCode> machine_;
+};
+
+// ---- hashing --------------------------------------------------------------------------------------------------------------
+
+class Hasher {
+ public:
+  void add(uint64_t word) {
+    high_ = mix((high_ ^ word) * 0x9E3779B97F4A7C15ull);
+    low_ = mix((low_ + word) * 0xC2B2AE3D27D4EB4Full);
+  }
+  KernelHash result() const { return {high_, low_}; }
+
+ private:
+  static uint64_t mix(uint64_t x) { return x ^ x >> 29; }
+  uint64_t high_ = 0x243F6A8885A308D3ull, low_ = 0x13198A2E03707344ull;
+};
+
+}  // namespace
+
+std::string KernelHash::text() const {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(high));
+  return digits;
+}
+
+KernelHash hash_kernel(const ir::Kernel& kernel) {
+  Hasher hasher;
+  hasher.add(static_cast<uint64_t>(kernel.kind) << 32 | kernel.wave_stride_bytes);
+  for (const ir::Inst& inst : kernel.insts) {
+    hasher.add(static_cast<uint64_t>(inst.op) << 32 | static_cast<uint64_t>(inst.type) << 16 | inst.flags);
+    hasher.add(static_cast<uint64_t>(inst.operand[0].id) << 32 | inst.operand[1].id);
+    hasher.add(static_cast<uint64_t>(inst.operand[2].id) << 32 | inst.operand[3].id);
+    hasher.add(inst.operand[4].id);
+    hasher.add(inst.imm);
+    if (ir::has_list(inst.op)) hasher.add(inst.list);
+    for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) hasher.add(inst.region[r]);
+  }
+  const auto add_values = [&](const std::vector<ir::Value>& values) {
+    hasher.add(values.size());
+    for (const ir::Value v : values) hasher.add(v.id);
+  };
+  for (const ir::Region& region : kernel.regions) add_values(region.insts);
+  for (const std::vector<ir::Value>& list : kernel.lists) add_values(list);
+  return hasher.result();
+}
+
+Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash) {
+  if (const std::string fault = ir::verify(kernel); !fault.empty())
+    return compile_error(kernel.name + " is not well formed: " + fault);
+  Stopwatch stopwatch;
+  const bool truth = config().mode == Mode::kF64;
+  passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine);
+  auto executable = std::make_shared<BackedKernel>();
+  if (kernel.kind == ir::KernelKind::kFragment) executable->varyings = kernels::compact_varyings(kernel);
+  executable->ir = std::move(kernel);
+  const double passes_ms = stopwatch.lap_ms();
+  if (debug(kDebugIr)) dump(executable->ir.name, hash, "ir", ir::print(executable->ir));
+  if (const Result<void> done = executable->build(hash); !done) return std::unexpected(done.error());
+  if (debug(kDebugTime)) {
+    std::fprintf(stderr, "pineda: %s: %zu instructions, passes %.2f ms, back end %.2f ms, %llu bytes of code\n",
+                 executable->ir.name.c_str(), executable->ir.insts.size(), passes_ms, stopwatch.lap_ms(),
+                 static_cast<unsigned long long>(executable->code_bytes()));
+  }
+  return executable;
+}
+
+uint64_t check_mismatches() { return mismatch_count; }
+
+}  // namespace pineda::compiler

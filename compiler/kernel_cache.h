@@ -1,0 +1,11 @@
+// Kernels of this process by hash: equal kernels of different pipelines share their code, and two threads that want the same one
+// compile it once.
+#pragma once
+
+#include "compiler/executable.h"
+
+namespace pineda::compiler {
+
+Result<ExecutablePtr> cached_executable(ir::Kernel kernel);
+
+}  // namespace pineda::compiler
