@@ -42,7 +42,7 @@ uint64_t pack_float(const FormatInfo& format, uint32_t component, float x) {
       return component == 3 ? unorm(x, bits) : srgb_encode(x);
     case Numeric::kSfloat:
       if (bits == 16) return float_to_half(x);
-      return x != x ? 0x7fc00000u : std::bit_cast<uint32_t>(x);
+      return std::bit_cast<uint32_t>(x);
     default:
       return 0;
   }

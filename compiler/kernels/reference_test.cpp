@@ -10,16 +10,22 @@ namespace pineda::kernels::test {
 double decode_reference(const FormatInfo& format, uint32_t component, uint32_t code) {
   const uint32_t bits = format.component[component].bits;
   if (bits == 0) return component == 3 ? 1 : 0;
-  const double unsigned_max = std::ldexp(1.0, static_cast<int>(bits)) - 1, signed_max = std::ldexp(1.0, static_cast<int>(bits) - 1) - 1;
+  const double unsigned_max = std::ldexp(1.0, static_cast<int>(bits)) - 1,
+               signed_max = std::ldexp(1.0, static_cast<int>(bits) - 1) - 1;
   const double as_signed = code > signed_max ? code - unsigned_max - 1 : code;
   switch (format.numeric) {
     case Numeric::kUint:
-    case Numeric::kUscaled: return code;
+    case Numeric::kUscaled:
+      return code;
     case Numeric::kSint:
-    case Numeric::kSscaled: return as_signed;
-    case Numeric::kUnorm: return code / unsigned_max;
-    case Numeric::kSnorm: return std::max(as_signed / signed_max, -1.0);
-    case Numeric::kSfloat: return bits == 16 ? half_to_float(static_cast<uint16_t>(code)) : std::bit_cast<float>(code);
+    case Numeric::kSscaled:
+      return as_signed;
+    case Numeric::kUnorm:
+      return code / unsigned_max;
+    case Numeric::kSnorm:
+      return std::max(as_signed / signed_max, -1.0);
+    case Numeric::kSfloat:
+      return bits == 16 ? half_to_float(static_cast<uint16_t>(code)) : std::bit_cast<float>(code);
     case Numeric::kSrgb: {
       const double s = code / unsigned_max;
       if (component == 3) return s;

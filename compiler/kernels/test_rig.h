@@ -1,14 +1,14 @@
 // Runs kernels in tests, in the evaluator: small compute kernels over arrays, and fragment kernels over one 4x4 block.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cstring>
 #include <functional>
 #include <memory>
 #include <random>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "base/format.h"
 #include "base/srgb.h"
@@ -28,7 +28,8 @@ inline ir::Kernel optimized(ir::Kernel kernel, eval::Mode mode) {
   return kernel;
 }
 
-// A kernel that maps arrays of 32-bit words to arrays of 32-bit words, 16 elements a wave. The arrays' addresses stand in the push constants.
+// A kernel that maps arrays of 32-bit words to arrays of 32-bit words, 16 elements a wave. The arrays' addresses stand in the
+// push constants.
 class ArrayKernel {
  public:
   // body: values of the inputs' i-th elements -> values of the outputs' i-th elements
@@ -99,6 +100,7 @@ struct FragmentRig {
 
   // Builds and compiles; varyings read are returned.
   std::vector<compiler::VaryingSlot> build(eval::Mode mode, bool depth_only = false) {
+    source.layout = &layout;  // the rig may have been moved
     Result<FragmentKernel> built = build_fragment(source, depth_only ? nullptr : &shader);
     EXPECT_TRUE(built) << (built ? "" : built.error().text);
     if (!built) return {};

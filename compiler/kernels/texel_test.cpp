@@ -1,4 +1,5 @@
-// Unpacking against the specification's formulas, exhaustively for components of up to 16 bits; packing against base/format_pack.cpp.
+// Unpacking against the specification's formulas, exhaustively for components of up to 16 bits; packing against
+// base/format_pack.cpp.
 #include "compiler/kernels/texel.h"
 
 #include <bit>
@@ -64,7 +65,8 @@ TEST(Texel, UnpacksEveryFormat) {
         } else if (std::isnan(want)) {
           ASSERT_TRUE(std::isnan(std::bit_cast<float>(values[c][i]))) << format->name;
         } else {  // correctly rounded
-          ASSERT_EQ(std::bit_cast<float>(values[c][i]), static_cast<float>(want)) << format->name << " component " << c << " texel " << i;
+          ASSERT_EQ(std::bit_cast<float>(values[c][i]), static_cast<float>(want))
+              << format->name << " component " << c << " texel " << i;
         }
       }
     }
@@ -73,7 +75,8 @@ TEST(Texel, UnpacksEveryFormat) {
 
 // Values around every code boundary of small components, special values, random bits.
 std::vector<float> floats_to_pack(const FormatInfo& format) {
-  std::vector<float> x{0.0f, -0.0f, 1.0f, -1.0f, 2.0f, -3.0f, INFINITY, -INFINITY, NAN, 1e-40f, 65504.0f, 65519.0f, 65520.0f, 1e30f};
+  std::vector<float> x{0.0f,      -0.0f, 1.0f,   -1.0f,    2.0f,     -3.0f,    INFINITY,
+                       -INFINITY, NAN,   1e-40f, 65504.0f, 65519.0f, 65520.0f, 1e30f};
   const double scale = code_scale(format, 0);
   for (int code = 0; code <= std::min(scale, 1100.0); ++code) {
     const float middle = static_cast<float>((code + 0.5) / scale);
@@ -104,8 +107,9 @@ TEST(Texel, PacksAsTheHostDoes) {
       pack_clear_color(*format, color, want);
       uint32_t got[4] = {};
       for (size_t w = 0; w < words.size(); ++w) got[w] = words[w][i];
-      ASSERT_EQ(std::memcmp(got, want, format->texel_bytes), 0) << format->name << " from " << color.float32[0] << ", "
-          << color.float32[1] << ", " << color.float32[2] << ", " << color.float32[3];
+      ASSERT_EQ(std::memcmp(got, want, format->texel_bytes), 0)
+          << format->name << " from " << color.float32[0] << ", " << color.float32[1] << ", " << color.float32[2] << ", "
+          << color.float32[3];
     }
   }
 }
