@@ -1,0 +1,161 @@
+// Random structured programs: the same syntax tree is printed as GLSL and interpreted in C++.
+#include <memory>
+#include <random>
+
+#include "compiler/spirv/test_shaders.h"
+
+namespace pineda::spirv::test {
+namespace {
+
+constexpr uint32_t kSeed = 20240607;
+constexpr uint32_t kFunctions = 60;
+constexpr int kMaxDepth = 4;
+
+enum class Kind { kAdd, kIf, kFor, kSwitch, kBreak, kContinue, kReturn };
+
+struct Node {
+  Kind kind;
+  uint32_t number = 0;                             // constant of the statement
+  std::vector<std::vector<Node>> bodies;           // If: then, else; For: body; Switch: cases, the last one is the default
+  std::vector<bool> falls;                         // Switch: case i has no break
+};
+
+// Where the program is: r is hashed by each statement, so that order and count of what ran show in the result.
+enum class Signal { kNone, kBreak, kContinue, kReturn };
+
+struct Machine {
+  uint32_t x, r = 1, fuel = 400;
+
+  // A condition that depends on the lane, on what ran so far and on the statement.
+  bool test(const Node& n) const { return ((r ^ (x * 7)) % 11) < n.number % 11; }
+
+  Signal run(const std::vector<Node>& body) {
+    for (const Node& n : body) {
+      if (const Signal s = run(n); s != Signal::kNone) return s;
+    }
+    return Signal::kNone;
+  }
+
+  Signal run(const Node& n) {
+    switch (n.kind) {
+      case Kind::kAdd: r = r * 31 + n.number; return Signal::kNone;
+      case Kind::kIf: return run(n.bodies[test(n) ? 0 : 1]);
+      case Kind::kFor:
+        for (uint32_t i = 0; i < n.number % 5; ++i) {
+          r += i;
+          const Signal s = run(n.bodies[0]);
+          if (s == Signal::kBreak) break;
+          if (s == Signal::kReturn) return s;
+        }
+        return Signal::kNone;
+      case Kind::kSwitch: {
+        const uint32_t last = static_cast<uint32_t>(n.bodies.size()) - 1;
+        uint32_t c = std::min((r ^ x) % (last + 2), last);
+        for (;; ++c) {
+          const Signal s = run(n.bodies[c]);
+          if (s == Signal::kContinue || s == Signal::kReturn) return s;
+          if (s == Signal::kBreak || !n.falls[c] || c == last) return Signal::kNone;
+        }
+      }
+      case Kind::kBreak: return Signal::kBreak;
+      case Kind::kContinue: return Signal::kContinue;
+      case Kind::kReturn: r = r * 31 + n.number; return Signal::kReturn;
+    }
+    return Signal::kNone;
+  }
+};
+
+struct Writer {
+  std::mt19937 random{kSeed};
+  uint32_t loops = 0;
+  uint32_t below(uint32_t n) { return random() % n; }
+
+  std::vector<Node> body(int depth, bool in_loop, bool in_switch) {
+    std::vector<Node> out;
+    for (uint32_t i = 0, n = 1 + below(3); i < n; ++i) out.push_back(node(depth, in_loop, in_switch));
+    return out;
+  }
+
+  Node node(int depth, bool in_loop, bool in_switch) {
+    Node n{.kind = Kind::kAdd, .number = 1 + below(97)};
+    const uint32_t pick = below(20);
+    if (depth >= kMaxDepth || pick < 5) return n;
+    if (pick < 11) {
+      n.kind = Kind::kIf;
+      n.bodies = {body(depth + 1, in_loop, in_switch), body(depth + 1, in_loop, in_switch)};
+    } else if (pick < 14) {
+      n.kind = Kind::kFor;
+      n.bodies = {body(depth + 1, true, false)};
+    } else if (pick < 17) {
+      n.kind = Kind::kSwitch;
+      for (uint32_t i = 0, cases = 2 + below(3); i < cases; ++i) {
+        n.bodies.push_back(body(depth + 1, in_loop, true));
+        n.falls.push_back(below(2) == 0);
+      }
+    } else if (pick == 17 && (in_loop || in_switch)) {
+      n.kind = Kind::kBreak;
+    } else if (pick == 18 && in_loop) {
+      n.kind = Kind::kContinue;
+    } else if (pick == 19 && depth > 0) {
+      n.kind = Kind::kReturn;
+    }
+    return n;
+  }
+
+  std::string print(const std::vector<Node>& body) {
+    std::string out;
+    for (const Node& n : body) out += print(n);
+    return out;
+  }
+
+  std::string print(const Node& n) {
+    const std::string number = std::to_string(n.number) + "u";
+    switch (n.kind) {
+      case Kind::kAdd: return "r = r * 31u + " + number + ";\n";
+      case Kind::kIf:
+        return "if (((r ^ (x * 7u)) % 11u) < " + std::to_string(n.number % 11) + "u) {\n" + print(n.bodies[0]) + "} else {\n" +
+               print(n.bodies[1]) + "}\n";
+      case Kind::kFor: {
+        const std::string i = "i" + std::to_string(loops++);
+        return "for (uint " + i + " = 0u; " + i + " < " + std::to_string(n.number % 5) + "u; ++" + i + ") {\nr += " + i + ";\n" +
+               print(n.bodies[0]) + "}\n";
+      }
+      case Kind::kSwitch: {
+        const size_t last = n.bodies.size() - 1;
+        std::string out = "switch ((r ^ x) % " + std::to_string(last + 2) + "u) {\n";
+        for (size_t c = 0; c <= last; ++c) {
+          out += c == last ? "default:\n" : "case " + std::to_string(c) + "u:\n";
+          out += print(n.bodies[c]);
+          if (!n.falls[c] || c == last) out += "break;\n";
+        }
+        return out + "}\n";
+      }
+      case Kind::kBreak: return "break;\n";
+      case Kind::kContinue: return "continue;\n";
+      case Kind::kReturn: return "{ r = r * 31u + " + number + "; return r; }\n";
+    }
+    return "";
+  }
+};
+
+TEST(SpirvRandomFlow, AgreesWithAnInterpreter) {
+  Writer writer;
+  std::vector<std::vector<Node>> programs;
+  std::string functions, calls;
+  for (uint32_t f = 0; f < kFunctions; ++f) {
+    programs.push_back(writer.body(0, false, false));
+    functions += "uint f" + std::to_string(f) + "(uint x) {\nuint r = 1u;\n" + writer.print(programs.back()) + "return r;\n}\n";
+    calls += "d[lane + " + std::to_string(16 * f) + "u] = f" + std::to_string(f) + "(lane);\n";
+  }
+  const Words out = compute(calls, Words(16 * kFunctions, 0), "uint", functions);
+  for (uint32_t f = 0; f < kFunctions; ++f) {
+    for (uint32_t x = 0; x < 16; ++x) {
+      Machine machine{.x = x};
+      machine.run(programs[f]);
+      ASSERT_EQ(out[16 * f + x], machine.r) << "seed " << kSeed << ", x = " << x << "\n" << writer.print(programs[f]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pineda::spirv::test
