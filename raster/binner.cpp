@@ -53,7 +53,7 @@ void Binner::finish(Chunk& chunk) {
   uint32_t first = 0;
   for (size_t i = 0; i < touched_.size(); ++i) {
     PerTile& t = tiles_[touched_[i]];
-    segments[i] = {nullptr, &chunk, touched_[i], first, t.count, t.cover, t.blocks_cover};
+    segments[i] = {touched_[i], first, t.count, t.cover, t.blocks_cover};
     const uint32_t count = t.count;
     t.count = first;
     first += count;

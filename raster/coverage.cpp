@@ -44,6 +44,14 @@ uint32_t rect_lanes(const Rect& rect, int32_t x_px, int32_t y_px) {
 
 namespace {
 
+// Position of each block in its tile, x + (y << 16) px.
+constexpr auto kBlockXy = [] {
+  std::array<uint32_t, kMaxTileBlocks> xy{};
+  for (uint32_t block = 0; block < kMaxTileBlocks; ++block) xy[block] = morton_x(block) * kBlockDim + (morton_y(block) * kBlockDim << 16);
+  return xy;
+}();
+static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) == 10 && offsetof(FragmentWave, block_index) == 12);
+
 namespace sse42 {
 struct V16 {
   __m128i q[4];  // one quad of lanes each
@@ -68,6 +76,9 @@ inline V16 add(const V16& x, const V16& y) {
 }
 inline V16 either(const V16& x, const V16& y) {
   return {{_mm_or_si128(x.q[0], y.q[0]), _mm_or_si128(x.q[1], y.q[1]), _mm_or_si128(x.q[2], y.q[2]), _mm_or_si128(x.q[3], y.q[3])}};
+}
+inline void store(int32_t* p, const V16& v) {
+  for (int i = 0; i < 4; ++i) _mm_store_si128(reinterpret_cast<__m128i*>(p) + i, v.q[i]);
 }
 inline uint32_t sign_mask(const V16& v) {  // saturating packs keep signs
   return static_cast<uint32_t>(
@@ -100,6 +111,9 @@ inline V16 scale(const V16& v) {
 }
 inline V16 add(const V16& x, const V16& y) { return {{_mm256_add_epi32(x.h[0], y.h[0]), _mm256_add_epi32(x.h[1], y.h[1])}}; }
 inline V16 either(const V16& x, const V16& y) { return {{_mm256_or_si256(x.h[0], y.h[0]), _mm256_or_si256(x.h[1], y.h[1])}}; }
+inline void store(int32_t* p, const V16& v) {
+  for (int i = 0; i < 2; ++i) _mm256_store_si256(reinterpret_cast<__m256i*>(p) + i, v.h[i]);
+}
 inline uint32_t sign_mask(const V16& v) {
   return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[0]))) |
          static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[1]))) << 8;
@@ -127,6 +141,7 @@ inline V16 scale(const V16& v) {
 }
 inline V16 add(const V16& x, const V16& y) { return {_mm512_add_epi32(x.v, y.v)}; }
 inline V16 either(const V16& x, const V16& y) { return {_mm512_or_si512(x.v, y.v)}; }
+inline void store(int32_t* p, const V16& v) { _mm512_store_si512(p, v.v); }
 inline uint32_t sign_mask(const V16& v) { return _mm512_movepi32_mask(v.v); }
 #include "raster/coverage_impl.inc"
 }  // namespace avx512

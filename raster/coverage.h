@@ -27,11 +27,8 @@ enum class TileCover { kNone, kPartial, kFull };
 // `size_px` <= 64. kFull: all pixels of the tile are covered. Edges that hold on the whole tile come out as 0.
 TileCover make_tile_edges(const Triangle& triangle, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges);
 
-// A 4x4 block of a tile and its covered lanes. Blocks are numbered in Morton order: bit 2i of the number is bit i of the block's column, bit
-// 2i + 1 of its row; 16 consecutive blocks make a 16x16 px macro block.
-struct BlockMask {
-  uint16_t block, mask;
-};
+// Blocks of a tile are numbered in Morton order: bit 2i of the number is bit i of the block's column, bit 2i + 1 of its row; 16 consecutive blocks
+// make a 16x16 px macro block.
 inline constexpr uint32_t kMaxTilePx = 64;
 inline constexpr uint32_t kMaxTileBlocks = kMaxTilePx / kBlockDim * (kMaxTilePx / kBlockDim);
 
@@ -40,13 +37,14 @@ struct BlockRange {
   uint32_t x0, y0, x1, y1;
 };
 
-// Writes the blocks in `range` with at least one covered pixel to out, which has room for kMaxTileBlocks + 1; returns how many.
-using CoverFn = uint32_t (*)(const TileEdges& edges, const BlockRange& range, BlockMask* out);
+// Writes a wave for every block in `range` with a covered pixel to out, which has room for kMaxTileBlocks + 1; returns how many. `tile_xy_px` is the
+// tile's position, x + (y << 16).
+using CoverFn = uint32_t (*)(const TileEdges& edges, const BlockRange& range, uint32_t tile_xy_px, FragmentWave* out);
 
 CoverFn cover_function(Isa isa);
 
 // Deposits the bits of a column into even, those of a row into odd places.
-inline uint32_t morton(uint32_t x, uint32_t y) {
+constexpr uint32_t morton(uint32_t x, uint32_t y) {
   const auto spread = [](uint32_t v) {
     v = (v | v << 2) & 0x33;
     return (v | v << 1) & 0x55;
@@ -55,12 +53,12 @@ inline uint32_t morton(uint32_t x, uint32_t y) {
 }
 
 // Column (0) or row (1) of a block number below 256.
-inline uint32_t morton_x(uint32_t m) {
+constexpr uint32_t morton_x(uint32_t m) {
   m &= 0x55;
   m = (m | m >> 1) & 0x33;
   return (m | m >> 2) & 0x0f;
 }
-inline uint32_t morton_y(uint32_t m) { return morton_x(m >> 1); }
+constexpr uint32_t morton_y(uint32_t m) { return morton_x(m >> 1); }
 
 // Lanes of the block at pixel (x, y) of the tile that lie in `rect` (tile coordinates).
 uint32_t rect_lanes(const Rect& rect, int32_t x_px, int32_t y_px);

@@ -56,13 +56,16 @@ std::vector<bool> tile_pixels(CoverFn cover, const Triangle& t, int32_t x, int32
   TileEdges edges{};
   const TileCover kind = make_tile_edges(t, x, y, size, edges);
   if (kind == TileCover::kNone) return pixels;
-  BlockMask blocks[kMaxTileBlocks + 1];
+  FragmentWave blocks[kMaxTileBlocks + 1];
   const auto all = static_cast<uint32_t>(size) / 4;
-  const uint32_t count = cover(edges, {0, 0, all, all}, blocks);
+  const uint32_t count = cover(edges, {0, 0, all, all}, static_cast<uint32_t>(x) + (static_cast<uint32_t>(y) << 16), blocks);
   for (uint32_t i = 0; i < count; ++i) {
+    EXPECT_EQ(blocks[i].exec_mask, 0xFFFFu);
+    EXPECT_EQ(blocks[i].x_px, static_cast<uint32_t>(x) + morton_x(blocks[i].block_index) * 4);
+    EXPECT_EQ(blocks[i].y_px, static_cast<uint32_t>(y) + morton_y(blocks[i].block_index) * 4);
     for (uint32_t lane = 0; lane < kLanes; ++lane) {
-      if (!(blocks[i].mask >> lane & 1)) continue;
-      const uint32_t px = morton_x(blocks[i].block) * 4 + morton_x(lane), py = morton_y(blocks[i].block) * 4 + morton_y(lane);
+      if (!(blocks[i].coverage >> lane & 1)) continue;
+      const uint32_t px = morton_x(blocks[i].block_index) * 4 + morton_x(lane), py = morton_y(blocks[i].block_index) * 4 + morton_y(lane);
       EXPECT_FALSE(pixels[py * static_cast<uint32_t>(size) + px]) << "a block was reported twice";
       pixels[py * static_cast<uint32_t>(size) + px] = true;
     }

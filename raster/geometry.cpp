@@ -40,28 +40,21 @@ inline int64_t signed_area(const int32_t* x, const int32_t* y) {  // twice the a
 inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v,
                                   uint16_t provoking, int facing) {
   const WindowVertices& w = *view.window;
-  Triangle t;
-  for (int k = 0; k < 3; ++k) {
-    t.x_fx8[k] = w.x_fx8[v[k]];
-    t.y_fx8[k] = w.y_fx8[v[k]];
-  }
-  const int64_t area = signed_area(t.x_fx8, t.y_fx8);
+  const int32_t x[3] = {w.x_fx8[v[0]], w.x_fx8[v[1]], w.x_fx8[v[2]]};
+  const int32_t y[3] = {w.y_fx8[v[0]], w.y_fx8[v[1]], w.y_fx8[v[2]]};
+  const int64_t area = signed_area(x, y);
   // The specification's area has the other sign, and positive is counter-clockwise.
   const bool front = (area < 0) == (draw.packet.front_face == VK_FRONT_FACE_COUNTER_CLOCKWISE);
-  if (area == 0 || (facing != 0 && (area < 0) != (facing < 0)) || is_culled(draw.packet, front)) {
+  const Rect bounds = intersect(pixel_bounds(x, y), draw.rect);
+  if (area == 0 || (facing != 0 && (area < 0) != (facing < 0)) || is_culled(draw.packet, front) || bounds.empty()) {
     ++statistics.triangles_culled;
     return;
   }
-  // Pixels whose centre is inside the box of the vertices; a centre on its right or lower side is on no top or left edge.
-  const auto [min_x, max_x] = std::minmax({t.x_fx8[0], t.x_fx8[1], t.x_fx8[2]});
-  const auto [min_y, max_y] = std::minmax({t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]});
-  const Rect box{(min_x + 127) >> 8, (min_y + 127) >> 8, (max_x + 127) >> 8, (max_y + 127) >> 8};
-  const Rect bounds = intersect(box, draw.rect);
-  if (bounds.empty()) {
-    ++statistics.triangles_culled;
-    return;
-  }
+  const auto index = static_cast<uint32_t>(chunk_->triangles.size());
+  Triangle& t = *chunk_->triangles.append(1);
   for (int k = 0; k < 3; ++k) {
+    t.x_fx8[k] = x[k];
+    t.y_fx8[k] = y[k];
     t.iw[k] = w.iw[v[k]];
     t.vertex[k] = v[k];
   }
@@ -69,13 +62,11 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
   t.z0 = z[0];
   t.dz1 = z[1] - z[0];
   t.dz2 = z[2] - z[0];
-  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), t.x_fx8, t.y_fx8, z);
+  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), x, y, z);
   t.primitive_id = primitive_id;
   t.batch = view.batch;
   t.provoking = provoking & 0x7FFF;
   t.front = front;
-  const auto index = static_cast<uint32_t>(chunk_->triangles.size());
-  chunk_->triangles.push_back(t);
   binner_.add(draw, t, index, bounds);
 }
 

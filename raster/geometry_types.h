@@ -175,11 +175,16 @@ struct alignas(64) Triangle {
 };
 static_assert(sizeof(Triangle) == 64);
 
+// Pixels whose centre is inside the box of three vertices. A centre on the box's right or lower side is on no top or left edge.
+inline Rect pixel_bounds(const int32_t (&x_fx8)[3], const int32_t (&y_fx8)[3]) {
+  const int32_t min_x = std::min(std::min(x_fx8[0], x_fx8[1]), x_fx8[2]), max_x = std::max(std::max(x_fx8[0], x_fx8[1]), x_fx8[2]);
+  const int32_t min_y = std::min(std::min(y_fx8[0], y_fx8[1]), y_fx8[2]), max_y = std::max(std::max(y_fx8[0], y_fx8[1]), y_fx8[2]);
+  constexpr int32_t kBelowHalf = kSubpixels / 2 - 1;
+  return {(min_x + kBelowHalf) >> 8, (min_y + kBelowHalf) >> 8, (max_x + kBelowHalf) >> 8, (max_y + kBelowHalf) >> 8};
+}
+
 // The triangles of one chunk that touch one tile.
-struct Chunk;
 struct Segment {
-  Segment* next;
-  const Chunk* chunk;
   uint32_t tile;
   uint32_t first, count;   // in Chunk::entries
   uint32_t cover;          // 1 + position in the segment of the last cover that makes everything before it invisible; 0: none

@@ -35,8 +35,8 @@ class HiZ {
   void begin_draw(const Draw& draw);
   // After the depth buffer was changed by something else than a wave.
   void forget();
-  // A wave that may write the block's depth was queued; all queued waves have run.
-  void queued(uint32_t block) { queued_[block / kLanes] |= static_cast<uint16_t>(1u << block % kLanes); }
+  // Waves that may write the depth of these blocks of a macro block were queued; all queued waves have run.
+  void queued(uint32_t macro, uint32_t blocks) { queued_[macro] |= static_cast<uint16_t>(blocks); }
   void flushed();
 
   // Of the blocks `wanted` of macro block `macro`, those that may have a fragment that passes.

@@ -17,7 +17,7 @@ struct Options {
   bool hi_z = true;                 // reject blocks by a conservative depth range
   bool fast_clear = true;           // fill untouched tiles straight in memory
   bool opaque = true;               // opaque full-tile covers drop what lies under them
-  size_t bin_budget_bytes = size_t{64} << 20;  // geometry kept between flushes
+  size_t bin_budget_bytes = size_t{128} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;      // primitives that one geometry job takes
   Isa isa = Isa::kSse42;
   bool print_statistics = false;

@@ -106,7 +106,8 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
   grid.columns = (static_cast<uint32_t>(grid.area.x1) + tile_px - 1) / tile_px;
   grid.rows = (static_cast<uint32_t>(grid.area.y1) + tile_px - 1) / tile_px;
   scene.tiles.swap(workspace->tiles);
-  scene.tiles.assign(grid.count(), {});
+  if (scene.tiles.size() < grid.count()) scene.tiles.resize(grid.count());  // those that were there are empty and keep their memory
+  for (uint32_t i = 0; i < grid.count(); ++i) scene.tiles[i].in_memory = false;
 }
 
 void Pass::State::record(const DrawPacket& packet) {

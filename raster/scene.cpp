@@ -2,29 +2,25 @@
 
 namespace pineda::raster {
 
-void Scene::commit(Chunk& chunk) {
+void Scene::commit(const Chunk& chunk) {
   for (size_t i = 0; i < chunk.segments.size(); ++i) {
-    Segment& segment = chunk.segments[i];
+    const Segment& segment = chunk.segments[i];
     TileState& tile = tiles[segment.tile];
+    uint32_t skip = 0;
     if (options.opaque && segment.cover != 0 && !tile.blocks_cover) {
-      tile.head = tile.tail = &segment;
-      tile.skip = segment.cover - 1;
+      tile.segments.clear();
       tile.covered = true;
-    } else if (tile.head == nullptr) {
-      tile.head = tile.tail = &segment;
-    } else {
-      tile.tail->next = &segment;
-      tile.tail = &segment;
+      skip = segment.cover - 1;
     }
+    tile.segments.push_back({&chunk, segment.first + skip, segment.count - skip});
     tile.blocks_cover |= segment.blocks_cover;
   }
 }
 
 void Scene::clear_lists() {
-  for (TileState& tile : tiles) {
-    tile.head = tile.tail = nullptr;
-    tile.skip = 0;
-    tile.covered = tile.blocks_cover = false;
+  for (uint32_t i = 0; i < grid.count(); ++i) {
+    tiles[i].segments.clear();
+    tiles[i].covered = tiles[i].blocks_cover = false;
   }
 }
 

@@ -11,12 +11,16 @@
 
 namespace pineda::raster {
 
+// Entries of one chunk that a tile draws.
+struct TileSegment {
+  const Chunk* chunk;
+  uint32_t first, count;   // in Chunk::entries
+};
+
 // One tile between two flushes, and whether its attachments have been in memory yet.
 struct TileState {
-  Segment* head = nullptr;    // in API order
-  Segment* tail = nullptr;
-  uint32_t skip = 0;          // entries of the head segment that a cover made invisible
-  bool covered = false;       // the first entry after `skip` overwrites every colour of the tile
+  std::vector<TileSegment> segments;  // in API order
+  bool covered = false;       // the first entry overwrites every colour of the tile
   bool blocks_cover = false;  // something in the list stays visible under a cover
   bool in_memory = false;     // an earlier flush stored it: load operations are over
 };
@@ -27,11 +31,11 @@ struct Scene {
   std::array<PassAttachment, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
   PassAttachment depth;
-  std::vector<TileState> tiles;
+  std::vector<TileState> tiles;  // grid.count() of them are in use
   bool last_flush = true;     // DONT_CARE stores are left out only here: before, the tile comes back
 
   // Appends a chunk's segments to the tiles' lists.
-  void commit(Chunk& chunk);
+  void commit(const Chunk& chunk);
   void clear_lists();
 };
 

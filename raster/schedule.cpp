@@ -39,6 +39,7 @@ uint64_t total_prims(const Draw& draw) { return draw.prims_per_instance * draw.p
 }  // namespace
 
 Pass::State::~State() {
+  scene.clear_lists();
   scene.tiles.swap(workspace->tiles);
   for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
   release_workspace(std::move(workspace));
@@ -131,8 +132,8 @@ void Pass::State::flush(bool last) {
   std::vector<uint32_t> touched, untouched;
   uint64_t entries = 0;
   for (const std::unique_ptr<Chunk>& chunk : committed) entries += chunk->entries.size();
-  for (uint32_t i = 0; i < scene.tiles.size(); ++i) {
-    if (scene.tiles[i].head) {
+  for (uint32_t i = 0; i < scene.grid.count(); ++i) {
+    if (!scene.tiles[i].segments.empty()) {
       touched.push_back(i);
     } else if (last) {
       untouched.push_back(i);

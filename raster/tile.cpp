@@ -80,6 +80,8 @@ void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   cover_ = cover_function(scene.options.isa);
   load(scene, state);
   hi_z_on_ = scene.options.hi_z && context_.depth && hi_z_supports(scene.depth.format);
+  hi_z_patience_ = kHiZPatience;
+  hi_z_skipped_ = 0;
   if (hi_z_on_) hi_z_.begin_tile(scene.depth.format, context_.depth, position_.size_px, !scene.depth.load && !state.in_memory);
   draw_list(scene, state);
   store(scene);
@@ -107,25 +109,47 @@ void TileWorker::run_untouched(const Scene& scene, uint32_t tile, const TileStat
   ++(filled ? statistics.tiles_filled : statistics.tiles_untouched);
 }
 
+// Fills items_ from the list on; false at its end.
+bool TileWorker::gather(const TileState& state, size_t& segment, uint32_t& entry) {
+  item_count_ = 0;
+  while (segment < state.segments.size() && item_count_ < kMaxItems) {
+    constexpr size_t kAhead = 3;
+    if (segment + kAhead < state.segments.size()) {
+      const TileSegment& next = state.segments[segment + kAhead];
+      __builtin_prefetch(next.chunk->entries.data() + next.first);
+    }
+    const TileSegment& s = state.segments[segment];
+    const uint32_t* entries = s.chunk->entries.data() + s.first;
+    const Triangle* triangles = s.chunk->triangles.data();
+    const Batch* batches = s.chunk->batches.data();
+    for (; entry < s.count && item_count_ < kMaxItems; ++entry) {
+      items_[item_count_++] = {triangles + (entries[entry] & ~kEntryCovers), batches, (entries[entry] & kEntryCovers) != 0};
+    }
+    if (entry < s.count) break;
+    ++segment;
+    entry = 0;
+  }
+  return item_count_ != 0;
+}
+
 void TileWorker::draw_list(const Scene& scene, const TileState& state) {
   draw_ = nullptr;
-  uint32_t first = state.skip;
-  for (const Segment* segment = state.head; segment; segment = segment->next, first = 0) {
-    const Chunk& chunk = *segment->chunk;
-    const uint32_t* entries = chunk.entries.data() + segment->first;
-    for (uint32_t i = first; i < segment->count; ++i) {
-      constexpr uint32_t kAhead = 4;
-      if (i + kAhead < segment->count) __builtin_prefetch(&chunk.triangles[entries[i + kAhead] & ~kEntryCovers]);
-      const Triangle& triangle = chunk.triangles[entries[i] & ~kEntryCovers];
-      const Batch& batch = chunk.batches[triangle.batch];
+  size_t segment = 0;
+  uint32_t entry = 0;
+  while (gather(state, segment, entry)) {
+    for (uint32_t i = 0; i < item_count_; ++i) {
+      constexpr uint32_t kAhead = 8;  // records are a cache miss each; enough to have as many in flight as the core can
+      if (i + kAhead < item_count_) __builtin_prefetch(items_[i + kAhead].triangle);
+      const Item& item = items_[i];
+      const Batch& batch = item.batches[item.triangle->batch];
       if (batch.draw != draw_) {
         flush();
         begin_draw(*batch.draw);
       }
       if (batch.draw->is_clear) [[unlikely]] {
-        clear_rect(scene, *batch.draw, triangle);
+        clear_rect(scene, *batch.draw, *item.triangle);
       } else {
-        draw_triangle(triangle, batch, (entries[i] & kEntryCovers) != 0);
+        draw_triangle(*item.triangle, batch, item.covers);
       }
     }
   }
@@ -153,77 +177,100 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
   if (is_depth && hi_z_on_) hi_z_.forget();
 }
 
-// Covered blocks of the current draw's rectangle, into blocks_.
+// Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
 uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
-  const auto [min_x, max_x] = std::minmax({t.x_fx8[0], t.x_fx8[1], t.x_fx8[2]});
-  const auto [min_y, max_y] = std::minmax({t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]});
-  const Rect box{((min_x + 127) >> 8) - position_.x_px, ((min_y + 127) >> 8) - position_.y_px, ((max_x + 127) >> 8) - position_.x_px,
-                 ((max_y + 127) >> 8) - position_.y_px};
-  const Rect r = intersect(box, draw_rect_);
+  const Rect box = pixel_bounds(t.x_fx8, t.y_fx8);
+  const Rect r = intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
   TileEdges edges{};
   if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;
   const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
   const BlockRange range{block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
-  const uint32_t count = cover_(edges, range, blocks_);
+  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
+  const uint32_t count = cover_(edges, range, tile_xy_px, waves_ + wave_count_);
   return draw_rect_full_ ? count : cut_to_rect(count);
 }
 
 uint32_t TileWorker::cut_to_rect(uint32_t count) {
+  FragmentWave* const waves = waves_ + wave_count_;
   uint32_t kept = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const auto x = static_cast<int32_t>(morton_x(blocks_[i].block) * kBlockDim), y = static_cast<int32_t>(morton_y(blocks_[i].block) * kBlockDim);
-    const uint32_t mask = blocks_[i].mask & rect_lanes(draw_rect_, x, y);
-    blocks_[kept] = {blocks_[i].block, static_cast<uint16_t>(mask)};
-    kept += mask != 0;
+    FragmentWave wave = waves[i];
+    wave.coverage &= rect_lanes(draw_rect_, wave.x_px - position_.x_px, wave.y_px - position_.y_px);
+    waves[kept] = wave;
+    kept += wave.coverage != 0;
   }
   return kept;
 }
 
+// Calls each(macro, blocks, first, end) for runs of the new waves in one macro block.
+template <class Each>
+inline void TileWorker::for_macros(uint32_t count, const Each& each) {
+  const FragmentWave* const waves = waves_ + wave_count_;
+  for (uint32_t i = 0; i < count;) {
+    const uint32_t macro = waves[i].block_index / kLanes;
+    uint32_t end = i, blocks = 0;
+    if (i + kLanes <= count && waves[i + kLanes - 1].block_index / kLanes == macro) {  // all of its blocks
+      end = i + kLanes;
+      blocks = 0xFFFF;
+    } else {
+      for (; end < count && waves[end].block_index / kLanes == macro; ++end) blocks |= 1u << waves[end].block_index % kLanes;
+    }
+    each(macro, blocks, i, end);
+    i = end;
+  }
+}
+
+// Drops new waves whose every fragment must fail the depth test.
 uint32_t TileWorker::reject_hidden(uint32_t count, const FragmentPrim& prim) {
+  FragmentWave* const waves = waves_ + wave_count_;
   const TriangleDepth depth = triangle_depth(prim, *draw_, position_);
   uint32_t kept = 0;
-  for (uint32_t i = 0; i < count;) {
-    const uint32_t macro = blocks_[i].block / kLanes;
-    uint32_t wanted = 0, end = i;
-    for (; end < count && blocks_[end].block / kLanes == macro; ++end) wanted |= 1u << blocks_[end].block % kLanes;
-    const uint32_t survivors = hi_z_.survivors(macro, wanted, depth);
-    for (; i < end; ++i) {
-      blocks_[kept] = blocks_[i];
-      kept += survivors >> blocks_[i].block % kLanes & 1;
+  for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t first, uint32_t end) {
+    const uint32_t survivors = hi_z_.survivors(macro, blocks, depth);
+    if (survivors == blocks) {
+      if (kept != first) std::memmove(waves + kept, waves + first, (end - first) * sizeof(FragmentWave));
+      kept += end - first;
+      return;
     }
-  }
+    for (uint32_t i = first; i < end && survivors != 0; ++i) {
+      waves[kept] = waves[i];
+      kept += survivors >> waves[kept].block_index % kLanes & 1;
+    }
+  });
   statistics.blocks_hi_z_rejected += count - kept;
+  if (kept != count) {
+    hi_z_patience_ = kHiZPatience;
+  } else if (hi_z_patience_ != 0) {
+    --hi_z_patience_;
+  }
   return kept;
+}
+
+// Where nothing is hidden, looking costs small triangles more than it brings: after a while only every kHiZRetry-th is tested.
+inline bool TileWorker::wants_hi_z(uint32_t count) {
+  if (!hi_z_on_ || draw_->hi_z == HiZMode::kNone) return false;
+  if (count >= kHiZWorthBlocks || hi_z_patience_ != 0) return true;
+  hi_z_skipped_ = hi_z_skipped_ + 1 == kHiZRetry ? 0 : hi_z_skipped_ + 1;
+  return hi_z_skipped_ == 0;
 }
 
 void TileWorker::draw_triangle(const Triangle& triangle, const Batch& batch, bool covers) {
+  if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
   uint32_t count = find_blocks(triangle, covers);
   if (count == 0) return;
-  if (prim_count_ == kMaxPrims || wave_count_ + count > wave_limit_) flush();
   FragmentPrim& prim = prims_[prim_count_];
   fill_prim(triangle, batch, prim);
-  if (hi_z_on_ && draw_->hi_z != HiZMode::kNone) {
+  if (wants_hi_z(count)) {
     count = reject_hidden(count, prim);
     if (count == 0) return;
   }
-  queue(count);
-}
-
-// Queues the blocks in blocks_ for the primitive at prims_[prim_count_].
-void TileWorker::queue(uint32_t block_count) {
-  records_[prim_count_] = {&prims_[prim_count_], wave_count_, block_count};
-  ++prim_count_;
-  FragmentWave* wave = waves_ + wave_count_;
-  for (uint32_t i = 0; i < block_count; ++i) {
-    const uint32_t block = blocks_[i].block;
-    wave[i] = {0xFFFF, blocks_[i].mask, static_cast<uint16_t>(static_cast<uint32_t>(position_.x_px) + morton_x(block) * kBlockDim),
-               static_cast<uint16_t>(static_cast<uint32_t>(position_.y_px) + morton_y(block) * kBlockDim), block};
-  }
-  wave_count_ += block_count;
   if (hi_z_on_ && draw_->writes_depth) {
-    for (uint32_t i = 0; i < block_count; ++i) hi_z_.queued(blocks_[i].block);
+    for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t, uint32_t) { hi_z_.queued(macro, blocks); });
   }
+  records_[prim_count_] = {&prim, wave_count_, count};
+  ++prim_count_;
+  wave_count_ += count;
 }
 
 void TileWorker::flush() {

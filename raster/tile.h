@@ -22,12 +22,20 @@ class TileWorker {
  private:
   // Waves of one draw are queued and given to its kernel together.
   static constexpr uint32_t kMaxPrims = 128;
-  static constexpr uint32_t kMaxWaves = 1024;
-  static constexpr uint32_t kEagerWaves = 256;  // for draws that write depth under Hi-Z: what is queued hides nothing yet
+  static constexpr uint32_t kMaxWaves = 768;
+  static constexpr uint32_t kEagerWaves = 128;  // for draws that write depth under Hi-Z: what is queued hides nothing yet
+  static constexpr uint32_t kHiZPatience = 48, kHiZRetry = 16, kHiZWorthBlocks = 12;
+  static constexpr uint32_t kMaxItems = 512;
+  struct Item {
+    const Triangle* triangle;
+    const Batch* batches;
+    bool covers;
+  };
 
   void place(const Scene& scene, uint32_t tile);
   void load(const Scene& scene, const TileState& state);
   void store(const Scene& scene);
+  bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
   void begin_draw(const Draw& draw);
   void draw_triangle(const Triangle& triangle, const Batch& batch, bool covers);
@@ -35,7 +43,9 @@ class TileWorker {
   uint32_t find_blocks(const Triangle& triangle, bool covers);
   uint32_t cut_to_rect(uint32_t count);
   uint32_t reject_hidden(uint32_t count, const FragmentPrim& prim);
-  void queue(uint32_t block_count);
+  bool wants_hi_z(uint32_t count);
+  template <class Each>
+  void for_macros(uint32_t count, const Each& each);
   void flush();
 
   CoverFn cover_ = nullptr;
@@ -45,16 +55,19 @@ class TileWorker {
   std::array<size_t, kMaxColorAttachments + 1> buffer_offset_{};
   bool hi_z_on_ = false;
   HiZ hi_z_;
+  uint32_t hi_z_patience_ = 0;  // triangles to test until one must have been rejected
+  uint32_t hi_z_skipped_ = 0;
   // the draw whose waves are queued
   const Draw* draw_ = nullptr;
   Rect draw_rect_;              // in tile coordinates
   bool draw_rect_full_ = true;  // it contains the whole tile
   uint32_t wave_limit_ = kMaxWaves;
   uint32_t prim_count_ = 0, wave_count_ = 0;
-  BlockMask blocks_[kMaxTileBlocks + 1];  // coverage writes one past what it keeps
   FragmentPrim prims_[kMaxPrims];
   PrimRecord records_[kMaxPrims];
-  FragmentWave waves_[kMaxWaves];
+  FragmentWave waves_[kMaxWaves + kMaxTileBlocks + 1];  // coverage writes one past what it keeps
+  uint32_t item_count_ = 0;
+  Item items_[kMaxItems];
 };
 
 }  // namespace pineda::raster
