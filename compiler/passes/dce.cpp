@@ -16,11 +16,7 @@ using ir::Value;
 class Eliminator {
  public:
   explicit Eliminator(ir::Kernel& kernel)
-      : kernel_(kernel),
-        live_(kernel.insts.size()),
-        owner_(kernel.insts.size()),
-        stores_(kernel.insts.size()),
-        used_(kernel.insts.size()) {}
+      : kernel_(kernel), live_(kernel.insts.size()), owner_(kernel.insts.size()), side_(kernel.insts.size()) {}
 
   void run() {
     for (RegionId root : roots()) survey(root, {});
@@ -57,11 +53,17 @@ class Eliminator {
       const Inst& inst = kernel_.at(v);
       owner_[v.id] = owner;
       if (inst.op == Op::kLocalStore) {
-        stores_[inst.operand[0].id].push_back(v);
+        stores_[side_[inst.operand[0].id]].push_back(v);
       } else if (writes(inst)) {
         mark(v);
       }
-      if (ir::has_regions(inst.op)) used_[v.id].resize(ir::yielded(kernel_, inst.region[0]).size() - is_loop(inst));
+      if (inst.op == Op::kLocal) {
+        side_[v.id] = static_cast<uint32_t>(stores_.size());
+        stores_.emplace_back();
+      } else if (ir::has_regions(inst.op)) {
+        side_[v.id] = static_cast<uint32_t>(used_.size());
+        used_.emplace_back(ir::yielded(kernel_, inst.region[0]).size() - is_loop(inst));
+      }
       for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) survey(inst.region[r], v);
     }
   }
@@ -76,7 +78,7 @@ class Eliminator {
     }
     switch (inst.op) {
       case Op::kLocal:
-        for (Value store : stores_[v.id]) mark(store);
+        for (Value store : stores_[side_[v.id]]) mark(store);
         return;
       case Op::kLoop:
         mark(ir::yielded(kernel_, inst.region[0])[0]);
@@ -94,8 +96,8 @@ class Eliminator {
 
   // Value k of an If or Loop is read.
   void use(Value owner, uint64_t k) {
-    if (used_[owner.id][k] != 0) return;
-    used_[owner.id][k] = 1;
+    if (used_[side_[owner.id]][k] != 0) return;
+    used_[side_[owner.id]][k] = 1;
     const Inst& inst = kernel_.at(owner);
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) mark(ir::yielded(kernel_, inst.region[r])[k + is_loop(inst)]);
     if (inst.op != Op::kLoop) return;
@@ -125,8 +127,8 @@ class Eliminator {
   }
 
   // After run() has summed: a live value's new index, and whether a value is live.
-  uint64_t new_index(Value owner, uint64_t k) const { return used_[owner.id][k] - 1; }
-  bool is_used(Value owner, size_t k) const { return used_[owner.id][k] != (k == 0 ? 0 : used_[owner.id][k - 1]); }
+  uint64_t new_index(Value owner, uint64_t k) const { return used_[side_[owner.id]][k] - 1; }
+  bool is_used(Value owner, size_t k) const { return used_[side_[owner.id]][k] != (k == 0 ? 0 : used_[side_[owner.id]][k - 1]); }
 
   // Drops the unused values; `skip` leading ones are not counted (a loop's `again`).
   void filter(std::vector<Value>& list, Value owner, size_t skip) const {
@@ -139,9 +141,10 @@ class Eliminator {
 
   ir::Kernel& kernel_;
   std::vector<bool> live_;
-  std::vector<Value> owner_;                 // by instruction: the If or Loop whose region it stands in
-  std::vector<std::vector<Value>> stores_;   // by Local
-  std::vector<std::vector<uint32_t>> used_;  // by If or Loop, then by value: whether it is read; later the running sum
+  std::vector<Value> owner_;    // by instruction: the If or Loop whose region it stands in
+  std::vector<uint32_t> side_;  // by Local: index in stores_; by If or Loop: index in used_
+  std::vector<std::vector<Value>> stores_;
+  std::vector<std::vector<uint32_t>> used_;  // by value of an If or Loop: whether it is read; later the running sum
   std::vector<Value> work_;
 };
 

@@ -65,6 +65,8 @@ void optimize(ir::Kernel& k, Form form) {
   }
   cse(k);
   dce(k);
+  rates(k);
+  flatten_ifs(k);
   if (form == Form::kMachine) {
     lower_math(k);
     fuse_fma(k);

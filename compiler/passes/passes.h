@@ -27,6 +27,9 @@ void fold(ir::Kernel& k, Form form = Form::kMachine);
 // Common subexpressions, scoped by region; loads too.
 void cse(ir::Kernel& k);
 
+// Ifs whose sides are short and pure become selects. Wants rates().
+void flatten_ifs(ir::Kernel& k);
+
 // Transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h.
 void lower_math(ir::Kernel& k);
 

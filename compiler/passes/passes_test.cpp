@@ -220,6 +220,69 @@ TEST(Cse, RegionsSeeOnlyWhatEnclosesThem) {
 )");
 }
 
+// ---- flatten_ifs ----------------------------------------------------------------------------------------------------------
+
+TEST(FlattenIfs, ShortPureSidesBecomeSelects) {
+  const std::string out = run_on_text(R"(%p = wave_ptr ptr
+%l = lane i32
+%c = ult b1 %l, %l
+%i = if %c {
+  %a = iadd i32 %l, %l
+  %j = if %c {
+    %d = imul i32 %a, %l
+    yield %d
+  } else {
+    yield %l
+  }
+  %r = result i32 %j, 0
+  yield %r
+} else {
+  yield %l
+}
+%s = result i32 %i, 0
+%k = if %c {
+  store %p, %l, %s
+  yield
+} else {
+  yield
+}
+%m = if %c {
+  %q = udiv i32 %l, %s
+  yield %q
+} else {
+  yield %l
+}
+%n = result i32 %m, 0
+)",
+                                      [](ir::Kernel& k) {
+                                        rates(k);
+                                        flatten_ifs(k);
+                                        for (ir::Inst& inst : k.insts) inst.rate = ir::Rate::kLane;
+                                      });
+  EXPECT_EQ(out, R"(wave:
+  %1 = wave_ptr ptr
+  %2 = lane i32
+  %3 = ult b1 %2, %2
+  %4 = iadd i32 %2, %2
+  %5 = imul i32 %4, %2
+  %6 = select i32 %3, %5, %2
+  %7 = select i32 %3, %6, %2
+  %8 = if %3 {
+    store %1, %2, %7
+    yield
+  } else {
+    yield
+  }
+  %9 = if %3 {
+    %10 = udiv i32 %2, %7
+    yield %10
+  } else {
+    yield %2
+  }
+  %11 = result i32 %9, 0
+)");
+}
+
 // ---- fuse_fma -------------------------------------------------------------------------------------------------------------
 
 TEST(FuseFma, TheLeftProductWins) {

@@ -25,11 +25,19 @@ const NamedPass kPasses[] = {
     {"cse", cse},
     {"hoist", hoist},
     {"rates", rates},
+    {"flatten_ifs",
+     [](ir::Kernel& k) {
+       ssa(k);  // whose Results make for pure sides
+       rates(k);
+       flatten_ifs(k);
+     }},
     {"all",
      [](ir::Kernel& k) {
        for (const auto& pass : {ssa, dce}) pass(k);
        fold(k);
        ssa(k);
+       fold(k);
+       for (const auto& pass : {cse, dce, rates, flatten_ifs}) pass(k);
        fold(k);
        for (const auto& pass : {cse, dce, hoist, cse, dce, rates}) pass(k);
      }},
