@@ -8,18 +8,57 @@
 
 namespace pineda::raster {
 
+namespace {
+
+// Triangles this small, near the tile: every product of the edge functions is below 2^14 * 2^15.
+constexpr int32_t kSmallFx8 = 64 * kSubpixels;
+
+inline __m128i next_vertex(__m128i v) { return _mm_shuffle_epi32(v, _MM_SHUFFLE(3, 0, 2, 1)); }
+
+// The three edges at once, in 32 bits. x and y: the vertices relative to the centre of the tile's first pixel (the fourth elements are ignored).
+TileCover make_small_edges(__m128i x, __m128i y, bool clockwise, int32_t last, TileEdges& edges) {
+  const __m128i flip = _mm_set1_epi32(clockwise ? 0 : -1), zero = _mm_setzero_si128();
+  const auto oriented = [&](__m128i v) { return _mm_sub_epi32(_mm_xor_si128(v, flip), flip); };
+  const __m128i a = oriented(_mm_sub_epi32(y, next_vertex(y))), b = oriented(_mm_sub_epi32(next_vertex(x), x));
+  const __m128i top_left = _mm_or_si128(_mm_cmpgt_epi32(a, zero), _mm_and_si128(_mm_cmpeq_epi32(a, zero), _mm_cmpgt_epi32(b, zero)));
+  const __m128i minus_e = _mm_add_epi32(_mm_mullo_epi32(a, x), _mm_mullo_epi32(b, y));
+  // -1 where the edge is neither top nor left
+  const __m128i e = _mm_sub_epi32(_mm_add_epi32(_mm_set1_epi32(-1), _mm_sub_epi32(zero, minus_e)), top_left);
+  const __m128i c = _mm_srai_epi32(e, 8);
+  const __m128i n = _mm_set1_epi32(last);
+  const __m128i highest = _mm_add_epi32(c, _mm_mullo_epi32(n, _mm_add_epi32(_mm_max_epi32(a, zero), _mm_max_epi32(b, zero))));
+  const __m128i lowest = _mm_add_epi32(c, _mm_mullo_epi32(n, _mm_add_epi32(_mm_min_epi32(a, zero), _mm_min_epi32(b, zero))));
+  if (_mm_movemask_ps(_mm_castsi128_ps(highest)) & 7) return TileCover::kNone;
+  const __m128i varies = _mm_cmpgt_epi32(zero, lowest);
+  _mm_store_si128(reinterpret_cast<__m128i*>(edges.a), _mm_and_si128(a, varies));
+  _mm_store_si128(reinterpret_cast<__m128i*>(edges.b), _mm_and_si128(b, varies));
+  _mm_store_si128(reinterpret_cast<__m128i*>(edges.c), _mm_and_si128(c, varies));
+  return (_mm_movemask_ps(_mm_castsi128_ps(varies)) & 7) == 0 ? TileCover::kFull : TileCover::kPartial;
+}
+
+}  // namespace
+
 TileCover make_tile_edges(const Triangle& tri, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges) {
-  const int64_t x_fx8 = int64_t{tile_x_px} * kSubpixels + kSubpixels / 2;  // centre of the tile's first pixel
-  const int64_t y_fx8 = int64_t{tile_y_px} * kSubpixels + kSubpixels / 2;
-  const int64_t area = int64_t{tri.x_fx8[1] - tri.x_fx8[0]} * (tri.y_fx8[2] - tri.y_fx8[0]) -
-                       int64_t{tri.y_fx8[1] - tri.y_fx8[0]} * (tri.x_fx8[2] - tri.x_fx8[0]);
-  const int32_t sign = area < 0 ? -1 : 1;
+  const bool clockwise = (tri.provoking_and_flags & Triangle::kClockwise) != 0;
+  // Centre of the tile's first pixel.
+  const int32_t x_fx8 = tile_x_px * kSubpixels + kSubpixels / 2, y_fx8 = tile_y_px * kSubpixels + kSubpixels / 2;
+  const __m128i x = _mm_sub_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(tri.x_fx8)), _mm_set1_epi32(x_fx8));
+  const __m128i y = _mm_sub_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(tri.y_fx8)), _mm_set1_epi32(y_fx8));
+  // All vertices within two tiles of the first pixel, and so within 2^15; and within 2^14 of each other.
+  const __m128i limit = _mm_set1_epi32(2 * kSmallFx8);
+  const __m128i far = _mm_or_si128(_mm_cmpgt_epi32(_mm_abs_epi32(x), limit), _mm_cmpgt_epi32(_mm_abs_epi32(y), limit));
+  const __m128i small = _mm_set1_epi32(kSmallFx8);
+  const __m128i wide = _mm_or_si128(_mm_cmpgt_epi32(_mm_abs_epi32(_mm_sub_epi32(x, next_vertex(x))), small),
+                                    _mm_cmpgt_epi32(_mm_abs_epi32(_mm_sub_epi32(y, next_vertex(y))), small));
+  if ((_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(far, wide))) & 7) == 0) return make_small_edges(x, y, clockwise, size_px - 1, edges);
+
   bool full = true;
   for (int k = 0; k < 3; ++k) {
     const int n = k == 2 ? 0 : k + 1;
-    const int32_t a = sign * (tri.y_fx8[k] - tri.y_fx8[n]), b = sign * (tri.x_fx8[n] - tri.x_fx8[k]);
+    const int32_t dx = tri.x_fx8[n] - tri.x_fx8[k], dy = tri.y_fx8[k] - tri.y_fx8[n];
+    const int32_t a = clockwise ? dy : -dy, b = clockwise ? dx : -dx;
     const bool top_left = a > 0 || (a == 0 && b > 0);
-    const int64_t e = a * (x_fx8 - tri.x_fx8[k]) + b * (y_fx8 - tri.y_fx8[k]) - (top_left ? 0 : 1);
+    const int64_t e = int64_t{a} * (x_fx8 - tri.x_fx8[k]) + int64_t{b} * (y_fx8 - tri.y_fx8[k]) - (top_left ? 0 : 1);
     const int64_t c = e >> 8;
     const int64_t last = size_px - 1;
     const int64_t highest = c + last * (std::max(a, 0) + std::max(b, 0));
@@ -130,9 +169,12 @@ struct V16 {
 };
 inline V16 splat(int32_t v) { return {_mm512_set1_epi32(v)}; }
 inline V16 lane_offsets(int32_t a, int32_t b) {
-  const __m512i x = _mm512_set_epi32(3, 2, 3, 2, 1, 0, 1, 0, 3, 2, 3, 2, 1, 0, 1, 0);
-  const __m512i y = _mm512_set_epi32(3, 3, 2, 2, 3, 3, 2, 2, 1, 1, 0, 0, 1, 1, 0, 0);
-  return {_mm512_add_epi32(_mm512_mullo_epi32(_mm512_set1_epi32(a), x), _mm512_mullo_epi32(_mm512_set1_epi32(b), y))};
+  // Bits of a lane's number: x bit 0, y bit 0, x bit 1, y bit 1.
+  const __m512i x = _mm512_set1_epi32(a), y = _mm512_set1_epi32(b);
+  __m512i v = _mm512_maskz_mov_epi32(0xAAAA, x);
+  v = _mm512_mask_add_epi32(v, 0xCCCC, v, y);
+  v = _mm512_mask_add_epi32(v, 0xF0F0, v, _mm512_add_epi32(x, x));
+  return {_mm512_mask_add_epi32(v, 0xFF00, v, _mm512_add_epi32(y, y))};
 }
 template <int kScale>
 inline V16 scale(const V16& v) {

@@ -7,7 +7,8 @@
 // Why 32 bits are enough inside a tile: |A|, |B| <= 49154 * 256 < 2^23.59 (geometry_types.h). Over the pixels of a tile of at most 64 px the value
 // varies by V = 63 * (|A| + |B|) < 2^30.57. An edge whose values over the whole tile have one sign is decided in 64 bits when the tile's
 // edges are formed; any other has a value < 0 and a value >= 0 in the tile, so all its values at pixels of the tile are in (-2^31, 2^31), and
-// every intermediate result is such a value or wraps and comes back.
+// every intermediate result is such a value or wraps and comes back. Forming the edges needs 64 bits, except for small triangles: within 64 px of
+// each other and 128 px of the tile's first pixel, products stay below 2^14 * 2^15 and sums of two below 2^30 + 1.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace pineda::raster {
 
 // Value of edge k at pixel (X, Y) of the tile: c[k] + a[k] * X + b[k] * Y; the pixel is inside when all are >= 0.
 struct TileEdges {
-  int32_t a[3], b[3], c[3];
+  alignas(16) int32_t a[4], b[4], c[4];  // the fourth is never read
 };
 
 enum class TileCover { kNone, kPartial, kFull };

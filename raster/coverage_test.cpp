@@ -47,6 +47,8 @@ Triangle make_triangle(const std::array<Point, 3>& v) {
     t.x_fx8[k] = static_cast<int32_t>(v[k].x);
     t.y_fx8[k] = static_cast<int32_t>(v[k].y);
   }
+  const int64_t area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x);
+  t.provoking_and_flags = area > 0 ? Triangle::kClockwise : 0;
   return t;
 }
 

@@ -8,7 +8,8 @@ namespace {
 constexpr size_t kMaxChunkEntries = 1 << 20;  // 4 MiB of bins; a chunk that grows larger is cut
 
 // Depth bias (Vulkan 1.3, "Depth Bias"): m * slope + r * constant, clamped; m is the larger of the two slopes' magnitudes.
-float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, const int32_t* x, const int32_t* y, const float* z) {
+float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, const int32_t* x, const int32_t* y,
+                 std::array<float, 3> z) {
   const double dz1 = double{z[1]} - z[0], dz2 = double{z[2]} - z[0];
   const double x1 = x[1] - x[0], x2 = x[2] - x[0], y1 = y[1] - y[0], y2 = y[2] - y[0];
   const double per_px = kSubpixels / area_fx16;
@@ -31,42 +32,45 @@ float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, co
 
 bool is_culled(const DrawPacket& packet, bool front) { return (packet.cull & (front ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT)) != 0; }
 
-inline int64_t signed_area(const int32_t* x, const int32_t* y) {  // twice the area, fx16; positive when clockwise on the screen
-  return int64_t{x[1] - x[0]} * (y[2] - y[0]) - int64_t{y[1] - y[0]} * (x[2] - x[0]);
-}
-
 }  // namespace
 
 inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v,
                                   uint16_t provoking, int facing) {
   const WindowVertices& w = *view.window;
-  const int32_t x[3] = {w.x_fx8[v[0]], w.x_fx8[v[1]], w.x_fx8[v[2]]};
-  const int32_t y[3] = {w.y_fx8[v[0]], w.y_fx8[v[1]], w.y_fx8[v[2]]};
-  const int64_t area = signed_area(x, y);
-  // The specification's area has the other sign, and positive is counter-clockwise.
+  // Scalars, not arrays: the compiler would copy arrays in wider pieces than it has just stored, and wait for them.
+  const int32_t x0 = w.x_fx8[v[0]], x1 = w.x_fx8[v[1]], x2 = w.x_fx8[v[2]];
+  const int32_t y0 = w.y_fx8[v[0]], y1 = w.y_fx8[v[1]], y2 = w.y_fx8[v[2]];
+  // Twice the area, fx16; positive when clockwise on the screen. The specification's area has the other sign, and its positive is
+  // counter-clockwise.
+  const int64_t area = int64_t{x1 - x0} * (y2 - y0) - int64_t{y1 - y0} * (x2 - x0);
   const bool front = (area < 0) == (draw.packet.front_face == VK_FRONT_FACE_COUNTER_CLOCKWISE);
-  const Rect bounds = intersect(pixel_bounds(x, y), draw.rect);
+  const Rect bounds = intersect(pixel_bounds(x0, x1, x2, y0, y1, y2), draw.rect);
   if (area == 0 || (facing != 0 && (area < 0) != (facing < 0)) || is_culled(draw.packet, front) || bounds.empty()) {
     ++statistics.triangles_culled;
     return;
   }
   const auto index = static_cast<uint32_t>(chunk_->triangles.size());
   Triangle& t = *chunk_->triangles.append(1);
-  for (int k = 0; k < 3; ++k) {
-    t.x_fx8[k] = x[k];
-    t.y_fx8[k] = y[k];
-    t.iw[k] = w.iw[v[k]];
-    t.vertex[k] = v[k];
-  }
-  const float z[3] = {w.z[v[0]], w.z[v[1]], w.z[v[2]]};
-  t.z0 = z[0];
-  t.dz1 = z[1] - z[0];
-  t.dz2 = z[2] - z[0];
-  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), x, y, z);
+  t.x_fx8[0] = x0;
+  t.x_fx8[1] = x1;
+  t.x_fx8[2] = x2;
+  t.y_fx8[0] = y0;
+  t.y_fx8[1] = y1;
+  t.y_fx8[2] = y2;
+  const float z0 = w.z[v[0]];
+  t.z0 = z0;
+  t.dz1 = w.z[v[1]] - z0;
+  t.dz2 = w.z[v[2]] - z0;
+  t.iw[0] = w.iw[v[0]];
+  t.iw[1] = w.iw[v[1]];
+  t.iw[2] = w.iw[v[2]];
   t.primitive_id = primitive_id;
   t.batch = view.batch;
-  t.provoking = provoking & 0x7FFF;
-  t.front = front;
+  t.vertex[0] = v[0];
+  t.vertex[1] = v[1];
+  t.vertex[2] = v[2];
+  t.provoking_and_flags = static_cast<uint16_t>(provoking | (front ? Triangle::kFront : 0) | (area > 0 ? Triangle::kClockwise : 0));
+  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
   binner_.add(draw, t, index, bounds);
 }
 

@@ -170,17 +170,16 @@ struct alignas(64) Triangle {
   uint32_t primitive_id;
   uint32_t batch;           // in the chunk
   uint16_t vertex[3];       // in the batch
-  uint16_t provoking : 15;  // in the batch
-  uint16_t front : 1;
+  uint16_t provoking_and_flags;  // vertex in the batch, and:
+  static constexpr uint16_t kFront = 0x8000, kClockwise = 0x4000, kProvokingMask = 0x3FFF;
 };
 static_assert(sizeof(Triangle) == 64);
 
 // Pixels whose centre is inside the box of three vertices. A centre on the box's right or lower side is on no top or left edge.
-inline Rect pixel_bounds(const int32_t (&x_fx8)[3], const int32_t (&y_fx8)[3]) {
-  const int32_t min_x = std::min(std::min(x_fx8[0], x_fx8[1]), x_fx8[2]), max_x = std::max(std::max(x_fx8[0], x_fx8[1]), x_fx8[2]);
-  const int32_t min_y = std::min(std::min(y_fx8[0], y_fx8[1]), y_fx8[2]), max_y = std::max(std::max(y_fx8[0], y_fx8[1]), y_fx8[2]);
+inline Rect pixel_bounds(int32_t x0, int32_t x1, int32_t x2, int32_t y0, int32_t y1, int32_t y2) {
   constexpr int32_t kBelowHalf = kSubpixels / 2 - 1;
-  return {(min_x + kBelowHalf) >> 8, (min_y + kBelowHalf) >> 8, (max_x + kBelowHalf) >> 8, (max_y + kBelowHalf) >> 8};
+  return {(std::min(std::min(x0, x1), x2) + kBelowHalf) >> 8, (std::min(std::min(y0, y1), y2) + kBelowHalf) >> 8,
+          (std::max(std::max(x0, x1), x2) + kBelowHalf) >> 8, (std::max(std::max(y0, y1), y2) + kBelowHalf) >> 8};
 }
 
 // The triangles of one chunk that touch one tile.

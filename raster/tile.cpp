@@ -1,5 +1,11 @@
 #include "raster/tile.h"
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#else
+#error "tiles have an x86-64 implementation only"
+#endif
+
 namespace pineda::raster {
 namespace {
 
@@ -10,10 +16,10 @@ void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   const double per_px = kSubpixels / (x1 * y2 - y1 * x2);
   p.x0_px = static_cast<float>(t.x_fx8[0]) * (1.0f / kSubpixels);
   p.y0_px = static_cast<float>(t.y_fx8[0]) * (1.0f / kSubpixels);
-  p.l1_dx = static_cast<float>(y2 * per_px);
-  p.l1_dy = static_cast<float>(-x2 * per_px);
-  p.l2_dx = static_cast<float>(-y1 * per_px);
-  p.l2_dy = static_cast<float>(x1 * per_px);
+  const __m128d scale = _mm_set1_pd(per_px);
+  const __m128 l1 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(-x2, y2), scale)), l2 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(x1, -y1), scale));
+  static_assert(offsetof(FragmentPrim, l2_dx) == offsetof(FragmentPrim, l1_dx) + 8);
+  _mm_storeu_ps(&p.l1_dx, _mm_movelh_ps(l1, l2));  // l1_dx, l1_dy, l2_dx, l2_dy
   p.z0 = t.z0;
   p.dz1 = t.dz1;
   p.dz2 = t.dz2;
@@ -23,11 +29,11 @@ void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   const size_t wave_floats = size_t{batch.draw->packet.vertex_slots} * kLanes;
   const auto vertex = [&](uint32_t v) { return batch.vertices + v / kLanes * wave_floats + v % kLanes; };
   for (int k = 0; k < 3; ++k) p.vertex[k] = vertex(t.vertex[k]);
-  p.front_facing = t.front;
+  p.front_facing = (t.provoking_and_flags & Triangle::kFront) != 0;
   p.primitive_id = t.primitive_id;
   p.layer = p.viewport_index = 0;
   p.point_size = 1;
-  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking) - p.vertex[0]) * static_cast<ptrdiff_t>(sizeof(float)));
+  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) * static_cast<ptrdiff_t>(sizeof(float)));
 }
 
 }  // namespace
@@ -179,7 +185,7 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
 
 // Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
 uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
-  const Rect box = pixel_bounds(t.x_fx8, t.y_fx8);
+  const Rect box = pixel_bounds(t.x_fx8[0], t.x_fx8[1], t.x_fx8[2], t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]);
   const Rect r = intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
   TileEdges edges{};
