@@ -1,0 +1,52 @@
+#include "icd/buffer.h"
+
+#include <algorithm>
+
+#include "icd/api.h"
+#include "icd/device.h"
+#include "icd/device_memory.h"
+
+namespace pineda::icd {
+
+VkResult Buffer::check(Device&, const VkBufferCreateInfo& info) {
+  constexpr VkBufferCreateFlags kSparse =
+      VK_BUFFER_CREATE_SPARSE_BINDING_BIT | VK_BUFFER_CREATE_SPARSE_RESIDENCY_BIT | VK_BUFFER_CREATE_SPARSE_ALIASED_BIT;
+  if (info.flags & kSparse) return not_supported("vkCreateBuffer: sparse buffers are not supported");
+  constexpr VkBufferUsageFlags kTexel = VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
+  if (info.usage & kTexel) return not_supported("vkCreateBuffer: texel buffers are not supported");
+  return info.size <= memory_heap_bytes() ? VK_SUCCESS : VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
+BufferDescriptor Buffer::descriptor(VkDeviceSize offset, VkDeviceSize range) const {
+  constexpr VkDeviceSize kMaxRange = 0xFFFFFFFFu;
+  const VkDeviceSize size_bytes = address_ ? std::min(clamp(offset, range), kMaxRange) : 0;
+  return {.address = reinterpret_cast<uint64_t>(address_) + offset, .size_bytes = static_cast<uint32_t>(size_bytes), .reserved = 0};
+}
+
+VkResult api::CreateBuffer(VkDevice device, const VkBufferCreateInfo* info, const VkAllocationCallbacks* callbacks, VkBuffer* out) {
+  return create_device_object<Buffer>(device, info, callbacks, out);
+}
+
+void api::DestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks* callbacks) {
+  destroy_device_object(device, buffer, callbacks);
+}
+
+void api::GetBufferMemoryRequirements(VkDevice, VkBuffer buffer, VkMemoryRequirements* out) {
+  const VkDeviceSize rounded = (from(buffer)->size_bytes() + kResourceAlignment_bytes - 1) / kResourceAlignment_bytes * kResourceAlignment_bytes;
+  *out = {.size = rounded, .alignment = kResourceAlignment_bytes, .memoryTypeBits = 1};
+}
+
+VkResult api::BindBufferMemory(VkDevice, VkBuffer buffer, VkDeviceMemory memory, VkDeviceSize offset) {
+  from(buffer)->bind(from(memory)->data() + offset);
+  return VK_SUCCESS;
+}
+
+// No format has a texel buffer feature, so no valid view exists.
+VkResult api::CreateBufferView(VkDevice, const VkBufferViewCreateInfo*, const VkAllocationCallbacks*, VkBufferView* out) {
+  *out = VK_NULL_HANDLE;
+  return not_supported("vkCreateBufferView: texel buffers are not supported");
+}
+
+void api::DestroyBufferView(VkDevice, VkBufferView, const VkAllocationCallbacks*) {}
+
+}  // namespace pineda::icd

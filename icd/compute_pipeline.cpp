@@ -1,0 +1,74 @@
+#include "icd/compute_pipeline.h"
+
+#include "base/float_environment.h"
+#include "icd/api.h"
+#include "icd/device.h"
+#include "icd/limits.h"
+
+namespace pineda::icd {
+namespace {
+
+// What a shader asks for is untrusted: beyond the limits it would size buffers and loops of the executor.
+bool within_limits(const spirv::ModuleInfo& info) {
+  uint64_t invocations = 1;
+  for (int i = 0; i < 3; ++i) {
+    if (info.local_size[i] == 0 || info.local_size[i] > kLimits.maxComputeWorkGroupSize[i]) return false;
+    invocations *= info.local_size[i];
+  }
+  return invocations <= kLimits.maxComputeWorkGroupInvocations && info.shared_memory_bytes <= kLimits.maxComputeSharedMemorySize;
+}
+
+}  // namespace
+
+VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
+  const PipelineLayout& layout = *from(info.layout);
+  layout_ = layout.compiler_layout();
+  if (info.stage.stage != VK_SHADER_STAGE_COMPUTE_BIT) return not_supported("vkCreateComputePipelines: not a compute stage");
+  if (const VkResult result = parse_stage(device, info.stage, &stage_); result != VK_SUCCESS) return result;
+  if (!within_limits(spirv::info(*stage_.module))) {
+    report(Severity::kError, "vkCreateComputePipelines: the workgroup is larger than the limits allow");
+    return kShaderRejected;
+  }
+  if (!textures_.add(*stage_.module, layout)) return kShaderRejected;
+  name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
+  if (name_.empty()) name_ = "compute";
+  if (samples()) return VK_SUCCESS;
+  return compile({})->kernels ? VK_SUCCESS : kShaderRejected;
+}
+
+uint32_t ComputePipeline::invocations() const {
+  const auto& size = spirv::info(*stage_.module).local_size;
+  return size[0] * size[1] * size[2];
+}
+
+const ComputePipeline::Cache::Entry* ComputePipeline::compile(std::span<const TextureIds> key) const {
+  const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
+  auto compiled =
+      compiler::compile_compute({.module = stage_.module.get(), .layout = layout_.get(), .textures = uses, .name = name_});
+  if (!compiled) {
+    report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
+    return variants_.add(key, nullptr);
+  }
+  return variants_.add(key, std::make_unique<const compiler::ComputeKernel>(std::move(*compiled)));
+}
+
+const compiler::ComputeKernel* ComputePipeline::kernel(const DescriptorSet* const* sets) const {
+  textures_.key(sets, key_);
+  const Cache::Entry* entry = variants_.find(key_);
+  if (!entry) entry = compile(key_);
+  return entry->kernels.get();
+}
+
+VkResult api::CreateComputePipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkComputePipelineCreateInfo* infos,
+                                     const VkAllocationCallbacks* callbacks, VkPipeline* out) {
+  const ScopedFloatEnvironment environment;  // constant folding
+  return create_pipelines(count, infos, out, [&](const VkComputePipelineCreateInfo& info, VkPipeline* one) {
+    const Allocator allocator(callbacks, from(device)->allocator);
+    auto pipeline = make_object<ComputePipeline>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(device));
+    if (const VkResult result = pipeline->init(info); result != VK_SUCCESS) return result;
+    *one = to_handle(static_cast<Pipeline*>(pipeline.release()));
+    return VK_SUCCESS;
+  });
+}
+
+}  // namespace pineda::icd

@@ -1,0 +1,115 @@
+#include "icd/debug_utils.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "icd/api.h"
+#include "icd/device.h"
+#include "icd/instance.h"
+
+namespace pineda::icd {
+namespace {
+
+struct Registry {
+  std::mutex mutex;  // guards messengers; callbacks run outside it, because they may call Vulkan
+  std::vector<DebugMessenger*> messengers;
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+void send(const VkDebugUtilsMessengerCreateInfoEXT& to, VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+          VkDebugUtilsMessageTypeFlagsEXT types, const VkDebugUtilsMessengerCallbackDataEXT& data) {
+  if ((to.messageSeverity & severity) && (to.messageType & types)) to.pfnUserCallback(severity, types, &data, to.pUserData);
+}
+
+VkDebugUtilsMessageSeverityFlagBitsEXT severity_bit(Severity severity) {
+  switch (severity) {
+    case Severity::kInfo: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT;
+    case Severity::kWarning: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+    case Severity::kError: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  }
+  return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+}
+
+std::vector<VkDebugUtilsMessengerCreateInfoEXT> listeners(const Instance* of) {
+  const std::scoped_lock lock(registry().mutex);
+  std::vector<VkDebugUtilsMessengerCreateInfoEXT> found;
+  for (const DebugMessenger* messenger : registry().messengers) {
+    if (!of || &messenger->instance == of) found.push_back(messenger->info);
+  }
+  return found;
+}
+
+void forward(Severity severity, std::string_view text) {
+  const std::string message(text);
+  const VkDebugUtilsMessengerCallbackDataEXT data{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT,
+                                                  .pMessageIdName = "Pineda",
+                                                  .pMessage = message.c_str()};
+  for (const auto& listener : listeners(nullptr)) {
+    send(listener, severity_bit(severity), VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT, data);
+  }
+}
+
+void remove_if(auto&& matches) {
+  const std::scoped_lock lock(registry().mutex);
+  std::erase_if(registry().messengers, matches);
+  if (registry().messengers.empty()) set_log_sink({});
+}
+
+}  // namespace
+
+void remove_messengers(const Instance& instance) {
+  remove_if([&](const DebugMessenger* messenger) { return &messenger->instance == &instance; });
+}
+
+VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT* info,
+                                           const VkAllocationCallbacks* callbacks, VkDebugUtilsMessengerEXT* out) {
+  return guarded([&] {
+    *out = VK_NULL_HANDLE;
+    auto messenger = make_object<DebugMessenger>(Allocator(callbacks, from(instance)->allocator), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT,
+                                                 *from(instance), *info);
+    const std::scoped_lock lock(registry().mutex);
+    registry().messengers.push_back(messenger.get());
+    set_log_sink(forward);
+    *out = to_handle(messenger.release());
+    return VK_SUCCESS;
+  });
+}
+
+void api::DestroyDebugUtilsMessengerEXT(VkInstance instance, VkDebugUtilsMessengerEXT messenger, const VkAllocationCallbacks* callbacks) {
+  if (!messenger) return;
+  remove_if([&](const DebugMessenger* other) { return other == from(messenger); });
+  destroy_object(from(messenger), callbacks, from(instance)->allocator);
+}
+
+void api::SubmitDebugUtilsMessageEXT(VkInstance instance, VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                     VkDebugUtilsMessageTypeFlagsEXT types, const VkDebugUtilsMessengerCallbackDataEXT* data) {
+  (void)guarded([&] {
+    for (const auto& listener : listeners(from(instance))) send(listener, severity, types, *data);
+    return VK_SUCCESS;
+  });
+}
+
+VkResult api::SetDebugUtilsObjectNameEXT(VkDevice device, const VkDebugUtilsObjectNameInfoEXT* info) {
+  return guarded([&] {
+    from(device)->set_name(info->objectHandle, info->pObjectName ? info->pObjectName : "");
+    return VK_SUCCESS;
+  });
+}
+
+// Tags are for tools that look inside the driver's objects; there is none.
+VkResult api::SetDebugUtilsObjectTagEXT(VkDevice, const VkDebugUtilsObjectTagInfoEXT*) { return VK_SUCCESS; }
+
+// Labels structure captures of tools above the driver, which see them before we do.
+void api::QueueBeginDebugUtilsLabelEXT(VkQueue, const VkDebugUtilsLabelEXT*) {}
+void api::QueueEndDebugUtilsLabelEXT(VkQueue) {}
+void api::QueueInsertDebugUtilsLabelEXT(VkQueue, const VkDebugUtilsLabelEXT*) {}
+void api::CmdBeginDebugUtilsLabelEXT(VkCommandBuffer, const VkDebugUtilsLabelEXT*) {}
+void api::CmdEndDebugUtilsLabelEXT(VkCommandBuffer) {}
+void api::CmdInsertDebugUtilsLabelEXT(VkCommandBuffer, const VkDebugUtilsLabelEXT*) {}
+
+}  // namespace pineda::icd

@@ -1,0 +1,106 @@
+#include "icd/descriptor_set_layout.h"
+
+#include <algorithm>
+
+#include "icd/api.h"
+#include "icd/device.h"
+#include "icd/sampler.h"
+
+namespace pineda::icd {
+
+bool is_dynamic(VkDescriptorType type) {
+  return type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC || type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC;
+}
+
+bool has_sampler(VkDescriptorType type) {
+  return type == VK_DESCRIPTOR_TYPE_SAMPLER || type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+}
+
+bool has_image(VkDescriptorType type) {
+  return type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER || type == VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE ||
+         type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+}
+
+bool has_texture_ids(VkDescriptorType type) { return has_sampler(type) || has_image(type); }
+
+uint32_t descriptor_bytes(VkDescriptorType type) {
+  switch (type) {
+    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
+    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
+    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC:
+    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC: return sizeof(BufferDescriptor);
+    case VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER:
+    case VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE:
+    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE: return sizeof(ImageDescriptor);
+    case VK_DESCRIPTOR_TYPE_SAMPLER: return sizeof(SamplerDescriptor);
+    default: return 0;
+  }
+}
+
+VkResult DescriptorSetLayout::check(Device&, const VkDescriptorSetLayoutCreateInfo& info) {
+  if (info.flags != 0) return not_supported("vkCreateDescriptorSetLayout: flags of extensions are not supported");
+  uint64_t size_bytes = 0;
+  for (uint32_t i = 0; i < info.bindingCount; ++i) {
+    const VkDescriptorSetLayoutBinding& binding = info.pBindings[i];
+    if (binding.descriptorCount == 0) continue;
+    const uint32_t bytes = descriptor_bytes(binding.descriptorType);
+    if (bytes == 0) {
+      return not_supported("vkCreateDescriptorSetLayout: descriptor type " + std::to_string(binding.descriptorType) + " of binding " +
+                           std::to_string(binding.binding) + " is not supported");
+    }
+    size_bytes += uint64_t(bytes) * binding.descriptorCount;
+  }
+  constexpr uint64_t kMaxSetBytes = 64u << 20;  // offsets are 32 bits; far beyond what the limits allow
+  return size_bytes <= kMaxSetBytes ? VK_SUCCESS : not_supported("vkCreateDescriptorSetLayout: too many descriptors");
+}
+
+DescriptorSetLayout::DescriptorSetLayout(const Allocator& from_allocator, Device&, const VkDescriptorSetLayoutCreateInfo& info)
+    : Object(from_allocator),
+      bindings_(HostAllocator<BindingLayout>(&allocator)),
+      immutable_samplers_(HostAllocator<ImmutableSampler>(&allocator)) {
+  HostVector<VkDescriptorSetLayoutBinding> sorted(info.pBindings, info.pBindings + info.bindingCount,
+                                                  HostAllocator<VkDescriptorSetLayoutBinding>(&allocator, VK_SYSTEM_ALLOCATION_SCOPE_COMMAND));
+  std::ranges::sort(sorted, {}, &VkDescriptorSetLayoutBinding::binding);
+  bindings_.reserve(sorted.size());
+  for (const VkDescriptorSetLayoutBinding& source : sorted) {
+    if (source.descriptorCount == 0) continue;
+    BindingLayout binding{.binding = source.binding,
+                          .type = source.descriptorType,
+                          .count = source.descriptorCount,
+                          .offset_bytes = size_bytes_,
+                          .stride_bytes = descriptor_bytes(source.descriptorType)};
+    size_bytes_ += binding.count * binding.stride_bytes;
+    if (has_texture_ids(binding.type)) {
+      binding.texture_index = texture_count_;
+      texture_count_ += binding.count;
+    }
+    if (is_dynamic(binding.type)) {
+      binding.dynamic_index = dynamic_count_;
+      dynamic_count_ += binding.count;
+    }
+    if (has_sampler(binding.type) && source.pImmutableSamplers) {
+      binding.immutable_index = static_cast<uint32_t>(immutable_samplers_.size());
+      for (uint32_t i = 0; i < binding.count; ++i) {
+        const Sampler& sampler = *from(source.pImmutableSamplers[i]);
+        immutable_samplers_.push_back({sampler.descriptor(), sampler.state_id()});
+      }
+    }
+    bindings_.push_back(binding);
+  }
+}
+
+const BindingLayout* DescriptorSetLayout::find(uint32_t binding) const {
+  const auto found = std::ranges::lower_bound(bindings_, binding, {}, &BindingLayout::binding);
+  return found == bindings_.end() ? nullptr : &*found;
+}
+
+VkResult api::CreateDescriptorSetLayout(VkDevice device, const VkDescriptorSetLayoutCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                                        VkDescriptorSetLayout* out) {
+  return create_device_object<DescriptorSetLayout>(device, info, callbacks, out);
+}
+
+void api::DestroyDescriptorSetLayout(VkDevice device, VkDescriptorSetLayout layout, const VkAllocationCallbacks* callbacks) {
+  destroy_device_object(device, layout, callbacks);
+}
+
+}  // namespace pineda::icd

@@ -1,0 +1,122 @@
+#include "icd/device.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "icd/api.h"
+#include "icd/dispatch.h"
+#include "icd/extensions.h"
+#include "icd/instance.h"
+#include "icd/limits.h"
+
+namespace pineda::icd {
+
+Device::Device(const Allocator& from, PhysicalDevice& device) : Object(from), physical(device), pool(render_threads()), queue(*this) {}
+
+void Device::lose(std::string_view reason, std::source_location where) {
+  if (lost_.exchange(true)) return;
+  std::string_view file = where.file_name();
+  file = file.substr(file.rfind('/') + 1);
+  report(Severity::kError,
+         "device lost at " + std::string(file) + ":" + std::to_string(where.line()) + ": " + std::string(reason));
+  notifier.notify();  // waits for results that will not come
+}
+
+bool Device::reserve_memory(VkDeviceSize size_bytes) {
+  VkDeviceSize used = memory_bytes_.load();
+  do {
+    if (size_bytes > memory_heap_bytes() || used > memory_heap_bytes() - size_bytes) return false;
+  } while (!memory_bytes_.compare_exchange_weak(used, used + size_bytes));
+  return true;
+}
+
+void Device::set_name(uint64_t handle, std::string_view name) {
+  const std::scoped_lock lock(names_mutex_);
+  if (name.empty()) {
+    names_.erase(handle);
+  } else {
+    names_[handle] = name;
+    any_name_ = true;
+  }
+}
+
+std::string Device::name_of(uint64_t handle) const {
+  if (!any_name_) return {};
+  const std::scoped_lock lock(names_mutex_);
+  const auto found = names_.find(handle);
+  return found == names_.end() ? std::string() : found->second;
+}
+
+void Device::forget_name(uint64_t handle) {
+  if (!any_name_) return;
+  const std::scoped_lock lock(names_mutex_);
+  names_.erase(handle);
+}
+
+namespace {
+
+bool known_extension(const char* name) {
+  return std::ranges::any_of(device_extensions(), [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+// Every feature is a VkBool32, so the structure is an array of them.
+bool features_available(const VkPhysicalDeviceFeatures& wanted) {
+  constexpr size_t kCount = sizeof(VkPhysicalDeviceFeatures) / sizeof(VkBool32);
+  VkBool32 want[kCount], have[kCount];
+  std::memcpy(want, &wanted, sizeof(want));
+  std::memcpy(have, &kFeatures, sizeof(have));
+  for (size_t i = 0; i < kCount; ++i) {
+    if (want[i] && !have[i]) return false;
+  }
+  return true;
+}
+
+VkResult check(const VkDeviceCreateInfo& info) {
+  for (uint32_t i = 0; i < info.enabledExtensionCount; ++i) {
+    if (!known_extension(info.ppEnabledExtensionNames[i])) return VK_ERROR_EXTENSION_NOT_PRESENT;
+  }
+  if (info.pEnabledFeatures && !features_available(*info.pEnabledFeatures)) return VK_ERROR_FEATURE_NOT_PRESENT;
+  for (auto* next = static_cast<const VkBaseInStructure*>(info.pNext); next; next = next->pNext) {
+    if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) continue;
+    if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features)) return VK_ERROR_FEATURE_NOT_PRESENT;
+  }
+  for (uint32_t i = 0; i < info.queueCreateInfoCount; ++i) {
+    const VkDeviceQueueCreateInfo& queue = info.pQueueCreateInfos[i];
+    if (queue.queueFamilyIndex != 0 || queue.queueCount > 1) return VK_ERROR_INITIALIZATION_FAILED;
+  }
+  return VK_SUCCESS;
+}
+
+}  // namespace
+
+VkResult api::CreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                           VkDevice* out) {
+  return guarded([&] {
+    *out = VK_NULL_HANDLE;
+    if (const VkResult result = check(*info); result != VK_SUCCESS) return result;
+    PhysicalDevice& device = *from(physical);
+    const Allocator allocator(callbacks, device.instance.allocator);
+    *out = to_handle(make_object<Device>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE, device).release());
+    return VK_SUCCESS;
+  });
+}
+
+void api::DestroyDevice(VkDevice device, const VkAllocationCallbacks* callbacks) {
+  if (device) destroy_object(from(device), callbacks, from(device)->physical.instance.allocator);
+}
+
+PFN_vkVoidFunction api::GetDeviceProcAddr(VkDevice device, const char* name) {
+  const CommandEntry* entry = find_command(name);
+  if (!entry || entry->level != Level::kDevice) return nullptr;
+  return from(device)->physical.instance.has(entry->gate) ? entry->function : nullptr;
+}
+
+void api::GetDeviceQueue(VkDevice device, uint32_t family, uint32_t index, VkQueue* out) {
+  *out = family == 0 && index == 0 ? to_handle(&from(device)->queue) : VK_NULL_HANDLE;
+}
+
+VkResult api::DeviceWaitIdle(VkDevice device) {
+  return guarded([&] { return from(device)->queue.wait_idle(); });
+}
+
+}  // namespace pineda::icd

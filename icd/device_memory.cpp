@@ -1,0 +1,74 @@
+#include "icd/device_memory.h"
+
+#include <sys/mman.h>
+
+#include "icd/api.h"
+#include "icd/device.h"
+
+namespace pineda::icd {
+namespace {
+
+constexpr VkDeviceSize kPageBytes = 4096;
+constexpr VkDeviceSize kHugePageBytes = 2u << 20;
+
+VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) { return (value + alignment - 1) / alignment * alignment; }
+
+}  // namespace
+
+VkResult DeviceMemory::check(Device&, const VkMemoryAllocateInfo& info) {
+  if (info.memoryTypeIndex >= kMemoryTypeCount) return not_supported("vkAllocateMemory: no such memory type");
+  return info.allocationSize <= memory_heap_bytes() ? VK_SUCCESS : VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
+// Allocations of a huge page and more start at one and ask for them: first touch of a 1080p attachment is 4 page faults instead of 2000.
+DeviceMemory::DeviceMemory(const Allocator& from, Device& device, const VkMemoryAllocateInfo& info)
+    : Object(from), device_(device), size_bytes_(info.allocationSize) {
+  const bool huge = size_bytes_ >= kHugePageBytes;
+  if (!device_.reserve_memory(size_bytes_)) return;
+  mapping_bytes_ = align_up(size_bytes_, kPageBytes) + (huge ? kHugePageBytes : 0);
+  void* mapping = mmap(nullptr, mapping_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (mapping == MAP_FAILED) {
+    device_.return_memory(size_bytes_);
+    return;
+  }
+  mapping_ = static_cast<uint8_t*>(mapping);
+  data_ = mapping_;
+  if (huge) {
+    data_ = reinterpret_cast<uint8_t*>(align_up(reinterpret_cast<uintptr_t>(mapping_), kHugePageBytes));
+    madvise(data_, align_up(size_bytes_, kPageBytes), MADV_HUGEPAGE);  // a wish: failure changes nothing
+  }
+}
+
+DeviceMemory::~DeviceMemory() {
+  if (!mapping_) return;
+  munmap(mapping_, mapping_bytes_);
+  device_.return_memory(size_bytes_);
+}
+
+VkResult api::AllocateMemory(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks, VkDeviceMemory* out) {
+  const VkResult result = create_device_object<DeviceMemory>(device, info, callbacks, out);
+  if (result == VK_SUCCESS && !from(*out)->data()) {
+    FreeMemory(device, *out, callbacks);
+    *out = VK_NULL_HANDLE;
+    return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  }
+  return result;
+}
+
+void api::FreeMemory(VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks* callbacks) {
+  destroy_device_object(device, memory, callbacks);
+}
+
+VkResult api::MapMemory(VkDevice, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize, VkMemoryMapFlags, void** out) {
+  *out = from(memory)->data() + offset;
+  return VK_SUCCESS;
+}
+
+// Mapped and coherent at all times.
+void api::UnmapMemory(VkDevice, VkDeviceMemory) {}
+VkResult api::FlushMappedMemoryRanges(VkDevice, uint32_t, const VkMappedMemoryRange*) { return VK_SUCCESS; }
+VkResult api::InvalidateMappedMemoryRanges(VkDevice, uint32_t, const VkMappedMemoryRange*) { return VK_SUCCESS; }
+
+void api::GetDeviceMemoryCommitment(VkDevice, VkDeviceMemory memory, VkDeviceSize* out) { *out = from(memory)->size_bytes(); }
+
+}  // namespace pineda::icd

@@ -1,0 +1,34 @@
+#include "icd/dispatch.h"
+
+#include <algorithm>
+#include <array>
+
+#include "icd/api.h"
+
+namespace pineda::icd {
+namespace {
+
+PFN_vkVoidFunction erase(auto* function) { return reinterpret_cast<PFN_vkVoidFunction>(function); }
+
+auto make_table() {
+  std::array table{
+#define PINEDA_GLOBAL(name) CommandEntry{"vk" #name, erase(&api::name), Level::kGlobal, kCore},
+#define PINEDA_INSTANCE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kInstance, gate},
+#define PINEDA_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, gate},
+#define PINEDA_DEVICE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kDevice, gate},
+#define PINEDA_COMMAND(name) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, kCore},
+#include "icd/commands.inc"
+  };
+  std::ranges::sort(table, {}, &CommandEntry::name);
+  return table;
+}
+
+}  // namespace
+
+const CommandEntry* find_command(std::string_view name) {
+  static const auto table = make_table();
+  const auto found = std::ranges::lower_bound(table, name, {}, &CommandEntry::name);
+  return found != table.end() && found->name == name ? &*found : nullptr;
+}
+
+}  // namespace pineda::icd

@@ -1,0 +1,125 @@
+// Execution of draws: state -> raster::DrawPacket.
+#include <algorithm>
+
+#include "icd/buffer.h"
+#include "icd/device.h"
+#include "icd/executor.h"
+
+namespace pineda::icd {
+
+bool Executor::flush_kernels() {
+  kernels_ = pipeline_->kernels(graphics_.sets.data());
+  if (!kernels_) device_.lose("a pipeline could not be compiled for the images that are bound (its error was reported)");
+  return kernels_ != nullptr;
+}
+
+void Executor::flush_packet() {
+  const GraphicsState& state = pipeline_->state();
+  packet_ = {};
+  packet_.vertex = kernels_->vertex->handle;
+  packet_.fragment = kernels_->fragment->handle;
+  packet_.vertex_slots = kernels_->vertex_slots;
+  packet_.early_depth = kernels_->early_depth;
+  packet_.opaque = kernels_->opaque;
+  packet_.has_side_effects = kernels_->has_side_effects;
+  packet_.topology = state.topology;
+  packet_.primitive_restart = state.primitive_restart;
+  packet_.viewport = dynamic_.viewport;
+  packet_.scissor = dynamic_.scissor;
+  packet_.cull = state.cull;
+  packet_.front_face = state.front_face;
+  packet_.depth_clamp = state.depth_clamp;
+  packet_.depth_bias = state.depth_bias;
+  packet_.depth_bias_constant = dynamic_.depth_bias_constant;
+  packet_.depth_bias_clamp = dynamic_.depth_bias_clamp;
+  packet_.depth_bias_slope = dynamic_.depth_bias_slope;
+  packet_.depth_test = state.fragment.depth.test_enable;
+  packet_.depth_write = state.fragment.depth.write_enable;
+  packet_.depth_compare = state.fragment.depth.compare;
+}
+
+void Executor::flush_context(const DrawCall& call) {
+  DrawContext& context = graphics_.context;
+  const uint32_t first_vertex = call.index.address ? static_cast<uint32_t>(call.vertex_offset) : call.first;
+  const bool same_draw = context.first_vertex == first_vertex && context.first_instance == call.first_instance &&
+                         context.draw_index == call.draw_index;
+  if (same_draw && !(dirty_ & kContext)) return;
+  context.first_vertex = first_vertex;
+  context.first_instance = call.first_instance;
+  context.draw_index = call.draw_index;
+  std::ranges::copy(dynamic_.blend_constants, context.blend_constants);
+  std::ranges::copy(dynamic_.stencil_reference, context.stencil_reference);
+  std::ranges::copy(dynamic_.stencil_compare_mask, context.stencil_compare_mask);
+  std::ranges::copy(dynamic_.stencil_write_mask, context.stencil_write_mask);
+  std::ranges::copy(dynamic_.depth_bounds, context.depth_bounds);
+  context.depth_clamp[0] = std::min(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  context.depth_clamp[1] = std::max(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  packet_.context = arena_.make(context);
+}
+
+// Brings packet and kernels up to date; false when nothing is to be drawn.
+bool Executor::flush() {
+  if (!pass_ || !pipeline_ || !pipeline_->state().rasterizes) return false;
+  if (dirty_ & kKernels) {
+    if (!flush_kernels()) return false;
+    dirty_ = (dirty_ & ~uint32_t(kKernels)) | kPacket;
+  }
+  if (dirty_ & kPacket) {
+    const DrawContext* context = packet_.context;
+    flush_packet();
+    packet_.context = context;
+    dirty_ &= ~uint32_t(kPacket);
+  }
+  return true;
+}
+
+void Executor::draw(const DrawCall& call) {
+  if (call.count == 0 || call.instance_count == 0 || !flush()) return;
+  flush_context(call);
+  dirty_ &= ~uint32_t(kContext);
+  packet_.index = call.index;
+  packet_.first = call.first;
+  packet_.count = call.count;
+  packet_.vertex_offset = call.vertex_offset;
+  packet_.first_instance = call.first_instance;
+  packet_.instance_count = call.instance_count;
+  pass_->draw(packet_);
+}
+
+raster::IndexBuffer Executor::index_buffer() const {
+  if (!index_.buffer || !index_.buffer->data()) return {};
+  return {.address = index_.buffer->data() + index_.offset, .size_bytes = index_.buffer->clamp(index_.offset, VK_WHOLE_SIZE), .type = index_.type};
+}
+
+void Executor::execute(const cmd::Draw& c) {
+  draw({.index = {}, .first = c.first_vertex, .count = c.vertex_count, .vertex_offset = 0, .first_instance = c.first_instance,
+        .instance_count = c.instance_count, .draw_index = 0});
+}
+
+void Executor::execute(const cmd::DrawIndexed& c) {
+  const raster::IndexBuffer index = index_buffer();
+  if (!index.address) return;
+  draw({.index = index, .first = c.first_index, .count = c.index_count, .vertex_offset = c.vertex_offset,
+        .first_instance = c.first_instance, .instance_count = c.instance_count, .draw_index = 0});
+}
+
+void Executor::execute(const cmd::DrawIndirect& c) {
+  for (uint32_t i = 0; i < c.draw_count && !device_.lost(); ++i) {
+    VkDrawIndirectCommand d;
+    if (!c.buffer->read(c.offset + uint64_t(i) * c.stride, &d)) return;
+    draw({.index = {}, .first = d.firstVertex, .count = d.vertexCount, .vertex_offset = 0, .first_instance = d.firstInstance,
+          .instance_count = d.instanceCount, .draw_index = i});
+  }
+}
+
+void Executor::execute(const cmd::DrawIndexedIndirect& c) {
+  const raster::IndexBuffer index = index_buffer();
+  for (uint32_t i = 0; i < c.draw_count && index.address && !device_.lost(); ++i) {
+    VkDrawIndexedIndirectCommand d;
+    if (!c.buffer->read(c.offset + uint64_t(i) * c.stride, &d)) return;
+    draw({.index = index, .first = d.firstIndex, .count = d.indexCount, .vertex_offset = d.vertexOffset, .first_instance = d.firstInstance,
+          .instance_count = d.instanceCount, .draw_index = i});
+  }
+}
+
+}  // namespace pineda::icd

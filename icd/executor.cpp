@@ -1,0 +1,60 @@
+#include "icd/executor.h"
+
+#include "base/srgb.h"
+#include "icd/command_buffer.h"
+#include "icd/device.h"
+
+namespace pineda::icd {
+
+Executor::Executor(Device& device) : device_(device), arena_(device.allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE) { reset_state(); }
+
+void Executor::reset_state() {
+  graphics_ = {};
+  set_srgb_tables(graphics_.context);
+  compute_ = graphics_;
+  pipeline_ = nullptr;
+  compute_pipeline_ = nullptr;
+  kernels_ = nullptr;
+  compute_kernel_ = nullptr;
+  dynamic_ = {};
+  index_ = {};
+  dirty_ = kAll;
+}
+
+void Executor::run(const CommandBuffer& command_buffer) {
+  reset_state();
+  walk(command_buffer);
+  if (pass_) end_subpass();  // a primary that lacks vkCmdEndRenderPass is invalid, but its draws point into the arena
+}
+
+void Executor::walk(const CommandBuffer& command_buffer) {
+  if (!command_buffer.executable()) {
+    device_.lose("a command buffer was submitted that has not been recorded completely");
+    return;
+  }
+  for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next) execute(*header);
+}
+
+void Executor::execute(const CommandHeader& header) {
+  switch (header.type) {
+#define PINEDA_COMMAND(name) \
+  case CommandType::k##name: return execute(static_cast<const CommandNode<cmd::name>&>(header).command);
+#include "icd/commands.inc"
+  }
+}
+
+void Executor::abandon() {
+  pass_.reset();
+  begin_ = nullptr;
+}
+
+// The state of primary and secondary are undefined to each other; only the render pass goes on.
+void Executor::execute(const cmd::ExecuteCommands& command) {
+  for (VkCommandBuffer secondary : command.command_buffers) {
+    reset_state();
+    walk(*from(secondary));
+  }
+  reset_state();
+}
+
+}  // namespace pineda::icd

@@ -1,0 +1,90 @@
+// Walks the commands of a command buffer and turns them into work for raster/: one execute() for each row of commands.inc, in exec_*.cpp.
+//
+// Belongs to the queue; used by one thread at a time (queue.h). State that shaders see is kept as a DrawContext that binds write into; a
+// draw copies it into the arena when it has changed since the last draw, because draws of a pass run later, together.
+#pragma once
+
+#include <optional>
+
+#include "icd/arena.h"
+#include "icd/command_list.h"
+#include "icd/graphics_pipeline.h"
+#include "icd/object.h"
+#include "raster/raster.h"
+
+namespace pineda::icd {
+
+struct SubpassAttachment;
+
+class Executor {
+ public:
+  explicit Executor(Device& device);
+
+  void run(const CommandBuffer& command_buffer);
+  // After run() has thrown: drops the render pass in progress.
+  void abandon();
+
+ private:
+  // What vkCmdBind* and vkCmdPushConstants have set for graphics or compute.
+  struct BindPoint {
+    DrawContext context;
+    std::array<const DescriptorSet*, kMaxSets> sets;
+  };
+
+  // A direct or indirect draw, resolved.
+  struct DrawCall {
+    raster::IndexBuffer index;  // null address: not indexed
+    uint32_t first, count;
+    int32_t vertex_offset;
+    uint32_t first_instance, instance_count, draw_index;
+  };
+
+  // What has changed since the packet and the context were last made.
+  enum Dirty : uint32_t { kKernels = 1, kPacket = 2, kContext = 4, kAll = 7 };
+
+#define PINEDA_COMMAND(name) void execute(const cmd::name& command);
+#include "icd/commands.inc"
+
+  void walk(const CommandBuffer& command_buffer);
+  void execute(const CommandHeader& header);
+  void reset_state();
+
+  // exec_pass.cpp
+  void begin_subpass();
+  void end_subpass();
+  void clear_other_layers(const SubpassAttachment& use, const VkClearValue& value);
+
+  // exec_draw.cpp
+  void draw(const DrawCall& call);
+  bool flush();
+  bool flush_kernels();
+  void flush_packet();
+  void flush_context(const DrawCall& call);
+  raster::IndexBuffer index_buffer() const;
+
+  // exec_dispatch.cpp
+  void dispatch(std::array<uint32_t, 3> count);
+
+  Device& device_;
+  Arena arena_;  // draw contexts of the subpass
+
+  // Bound state.
+  BindPoint graphics_, compute_;
+  const GraphicsPipeline* pipeline_ = nullptr;
+  const ComputePipeline* compute_pipeline_ = nullptr;
+  DynamicState dynamic_;
+  cmd::BindIndexBuffer index_{};
+  uint32_t dirty_ = kAll;
+
+  // Derived from it.
+  const compiler::GraphicsKernels* kernels_ = nullptr;
+  const compiler::ComputeKernel* compute_kernel_ = nullptr;
+  raster::DrawPacket packet_;  // everything but the draw's own numbers
+
+  // Render pass in progress.
+  const cmd::BeginRenderPass* begin_ = nullptr;
+  uint32_t subpass_ = 0;
+  std::optional<raster::Pass> pass_;
+};
+
+}  // namespace pineda::icd

@@ -1,0 +1,63 @@
+#include "icd/graphics_pipeline.h"
+
+#include "base/float_environment.h"
+#include "icd/api.h"
+#include "icd/device.h"
+
+namespace pineda::icd {
+
+VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
+  if (const VkResult result = translate_graphics_state(info, &state_); result != VK_SUCCESS) return result;
+  const PipelineLayout& layout = *from(info.layout);
+  layout_ = layout.compiler_layout();
+  for (uint32_t i = 0; i < info.stageCount; ++i) {
+    const VkPipelineShaderStageCreateInfo& stage = info.pStages[i];
+    const bool is_vertex = stage.stage == VK_SHADER_STAGE_VERTEX_BIT;
+    if (!is_vertex && !state_.rasterizes) continue;  // a fragment shader that never runs
+    ShaderStage& parsed = is_vertex ? vertex_ : fragment_;
+    if (const VkResult result = parse_stage(device, stage, &parsed); result != VK_SUCCESS) return result;
+    if (!textures_.add(*parsed.module, layout)) return kShaderRejected;
+    const std::string module_name = device.name_of(reinterpret_cast<uint64_t>(stage.module));
+    if (!module_name.empty()) name_ += (name_.empty() ? "" : "+") + module_name;
+  }
+  if (name_.empty()) name_ = "graphics";
+  if (!state_.rasterizes || samples()) return VK_SUCCESS;
+  return compile({})->kernels ? VK_SUCCESS : kShaderRejected;
+}
+
+const GraphicsPipeline::Cache::Entry* GraphicsPipeline::compile(std::span<const TextureIds> key) const {
+  const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
+  auto compiled = compiler::compile_graphics({.vertex = vertex_.module.get(),
+                                              .fragment = fragment_.module.get(),
+                                              .layout = layout_.get(),
+                                              .vertex_input = state_.vertex_input,
+                                              .state = state_.fragment,
+                                              .textures = uses,
+                                              .name = name_});
+  if (!compiled) {
+    report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
+    return variants_.add(key, nullptr);
+  }
+  return variants_.add(key, std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled)));
+}
+
+const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {
+  textures_.key(sets, key_);
+  const Cache::Entry* entry = variants_.find(key_);
+  if (!entry) entry = compile(key_);
+  return entry->kernels.get();
+}
+
+VkResult api::CreateGraphicsPipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkGraphicsPipelineCreateInfo* infos,
+                                      const VkAllocationCallbacks* callbacks, VkPipeline* out) {
+  const ScopedFloatEnvironment environment;  // constant folding
+  return create_pipelines(count, infos, out, [&](const VkGraphicsPipelineCreateInfo& info, VkPipeline* one) {
+    const Allocator allocator(callbacks, from(device)->allocator);
+    auto pipeline = make_object<GraphicsPipeline>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(device));
+    if (const VkResult result = pipeline->init(info); result != VK_SUCCESS) return result;
+    *one = to_handle(static_cast<Pipeline*>(pipeline.release()));
+    return VK_SUCCESS;
+  });
+}
+
+}  // namespace pineda::icd

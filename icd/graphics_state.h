@@ -1,0 +1,40 @@
+// VkGraphicsPipelineCreateInfo, translated once: what selects code goes to the compiler, what is data or dynamic to the draw packets.
+#pragma once
+
+#include "compiler/compile.h"
+#include "icd/object.h"
+
+namespace pineda::icd {
+
+// State that VkDynamicState can make dynamic; a pipeline holds the static values, the executor the current ones.
+struct DynamicState {
+  VkViewport viewport{};
+  VkRect2D scissor{};
+  float depth_bias_constant = 0, depth_bias_clamp = 0, depth_bias_slope = 0;
+  std::array<float, 4> blend_constants{};
+  std::array<float, 2> depth_bounds{};
+  std::array<uint32_t, 2> stencil_compare_mask{}, stencil_write_mask{}, stencil_reference{};  // front, back
+};
+
+// Bit of a VkDynamicState (all of core 1.0 are below 32).
+constexpr uint32_t dynamic_bit(VkDynamicState state) { return 1u << state; }
+
+struct GraphicsState {
+  compiler::VertexState vertex_input;
+  compiler::FragmentState fragment;
+  DynamicState values;
+  uint32_t dynamic_mask = 0;        // dynamic_bit of what the pipeline leaves to vkCmdSet*
+  VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  bool primitive_restart = false;
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;
+  VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  bool depth_clamp = false, depth_bias = false;
+  bool rasterizes = true;           // false: rasterizerDiscardEnable, or a sample mask without the only sample
+};
+
+VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out);
+
+// The static values of `from` over `to`: what vkCmdBindPipeline does.
+void apply_static_state(const GraphicsState& from, DynamicState& to);
+
+}  // namespace pineda::icd

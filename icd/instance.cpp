@@ -1,0 +1,71 @@
+#include "icd/instance.h"
+
+#include <cstring>
+#include <optional>
+
+#include "icd/api.h"
+#include "icd/debug_utils.h"
+#include "icd/enumerate.h"
+#include "icd/extensions.h"
+#include "icd/version.h"
+
+namespace pineda::icd {
+
+Instance::~Instance() { remove_messengers(*this); }
+
+namespace {
+
+// Gate bits of the named extensions; nothing when one is unknown.
+std::optional<uint32_t> enabled_gates(const VkInstanceCreateInfo& info) {
+  uint32_t gates = 0;
+  for (uint32_t i = 0; i < info.enabledExtensionCount; ++i) {
+    const auto known = instance_extensions();
+    const auto found = std::ranges::find_if(known, [&](const InstanceExtension& extension) {
+      return std::strcmp(extension.properties.extensionName, info.ppEnabledExtensionNames[i]) == 0;
+    });
+    if (found == known.end()) return std::nullopt;
+    gates |= found->gate;
+  }
+  return gates;
+}
+
+}  // namespace
+
+VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* out) {
+  return guarded([&] {
+    *out = VK_NULL_HANDLE;
+    // "If apiVersion is a version the implementation does not support": a driver without vkEnumerateInstanceVersion knows 1.0 only. The
+    // loader rewrites the version for such drivers, so this is met only without a loader.
+    const uint32_t api = info->pApplicationInfo ? info->pApplicationInfo->apiVersion : 0;
+    if (api != 0 && (VK_API_VERSION_VARIANT(api) != 0 || VK_API_VERSION_MAJOR(api) != 1 || VK_API_VERSION_MINOR(api) != 0)) {
+      return VK_ERROR_INCOMPATIBLE_DRIVER;
+    }
+    if (info->enabledLayerCount != 0) return VK_ERROR_LAYER_NOT_PRESENT;
+    const std::optional<uint32_t> gates = enabled_gates(*info);
+    if (!gates) return VK_ERROR_EXTENSION_NOT_PRESENT;
+    auto instance = make_object<Instance>(Allocator(callbacks, Allocator()), VK_SYSTEM_ALLOCATION_SCOPE_INSTANCE, *gates);
+    *out = to_handle(instance.release());
+    return VK_SUCCESS;
+  });
+}
+
+void api::DestroyInstance(VkInstance instance, const VkAllocationCallbacks* callbacks) {
+  destroy_object(from(instance), callbacks, Allocator());
+}
+
+VkResult api::EnumerateInstanceExtensionProperties(const char* layer, uint32_t* count, VkExtensionProperties* out) {
+  if (layer) return VK_ERROR_LAYER_NOT_PRESENT;
+  return enumerate(instance_extensions(), count, out, [](VkExtensionProperties& to, const InstanceExtension& e) { to = e.properties; });
+}
+
+VkResult api::EnumerateInstanceLayerProperties(uint32_t* count, VkLayerProperties*) {
+  *count = 0;
+  return VK_SUCCESS;
+}
+
+VkResult api::EnumeratePhysicalDevices(VkInstance instance, uint32_t* count, VkPhysicalDevice* out) {
+  const VkPhysicalDevice devices[] = {to_handle(&from(instance)->physical_device)};
+  return enumerate(std::span<const VkPhysicalDevice>(devices), count, out);
+}
+
+}  // namespace pineda::icd

@@ -1,0 +1,23 @@
+// VkInstance: its extensions, the one physical device, the debug messengers.
+#pragma once
+
+#include "icd/dispatch.h"
+#include "icd/object.h"
+#include "icd/physical_device.h"
+
+namespace pineda::icd {
+
+class Instance : public Dispatchable, public Object {
+ public:
+  Instance(const Allocator& from, uint32_t gates) : Object(from), physical_device(*this), gates_(gates) {}
+  ~Instance();
+
+  bool has(Gate gate) const { return gate == kCore || (gates_ & gate) != 0; }
+
+  PhysicalDevice physical_device;
+
+ private:
+  const uint32_t gates_;  // Gate bits of the enabled extensions
+};
+
+}  // namespace pineda::icd

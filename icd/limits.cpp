@@ -1,0 +1,105 @@
+// Every value is what the implementation does, not what would look good. Where one is below the specification's minimum, the thing itself is missing
+// (multisampling, texel buffers, input attachments), and 0 or 1 says so.
+#include "icd/limits.h"
+
+#include "base/abi.h"
+
+namespace pineda::icd {
+
+constexpr VkPhysicalDeviceFeatures kFeatures = {
+    .robustBufferAccess = VK_TRUE,         // each access is checked in the IR (ir.h, `limit` operand), whether enabled or not
+    .fullDrawIndexUint32 = VK_TRUE,        // indices are never narrowed
+    .independentBlend = VK_TRUE,           // blend state is part of the kernel, for each attachment
+    .multiDrawIndirect = VK_TRUE,          // a loop in exec_draw.cpp
+    .drawIndirectFirstInstance = VK_TRUE,
+};
+
+constexpr VkPhysicalDeviceLimits kLimits = {
+    .maxImageDimension1D = 16384,
+    .maxImageDimension2D = 16384,
+    .maxImageDimension3D = 2048,
+    .maxImageDimensionCube = 16384,
+    .maxImageArrayLayers = 2048,
+    .maxTexelBufferElements = 0,           // no texel buffers
+    .maxUniformBufferRange = 65536,
+    .maxStorageBufferRange = 0xFFFFFFFFu,  // BufferDescriptor::size_bytes
+    .maxPushConstantsSize = kMaxPushConstantBytes,
+    .maxMemoryAllocationCount = 16384,     // each is one mapping; Linux allows 65530 a process
+    .maxSamplerAllocationCount = 1u << 20,
+    .bufferImageGranularity = 1,
+    .sparseAddressSpaceSize = 0,
+    .maxBoundDescriptorSets = kMaxSets,
+    .maxPerStageDescriptorSamplers = 64,
+    .maxPerStageDescriptorUniformBuffers = 200,
+    .maxPerStageDescriptorStorageBuffers = 200,
+    .maxPerStageDescriptorSampledImages = 200,
+    .maxPerStageDescriptorStorageImages = 16,
+    .maxPerStageDescriptorInputAttachments = 0,  // render_pass.cpp refuses them
+    .maxPerStageResources = 1024,
+    .maxDescriptorSetSamplers = 512,
+    .maxDescriptorSetUniformBuffers = 1024,
+    .maxDescriptorSetUniformBuffersDynamic = kMaxDynamicOffsets / 2,
+    .maxDescriptorSetStorageBuffers = 1024,
+    .maxDescriptorSetStorageBuffersDynamic = kMaxDynamicOffsets / 2,
+    .maxDescriptorSetSampledImages = 1024,
+    .maxDescriptorSetStorageImages = 128,
+    .maxDescriptorSetInputAttachments = 0,
+    .maxVertexInputAttributes = kMaxVertexAttributes,
+    .maxVertexInputBindings = kMaxVertexBindings,
+    .maxVertexInputAttributeOffset = 2047,
+    .maxVertexInputBindingStride = 2048,
+    .maxVertexOutputComponents = 128,
+    .maxFragmentInputComponents = 128,
+    .maxFragmentOutputAttachments = kMaxColorAttachments,
+    .maxFragmentDualSrcAttachments = 0,
+    .maxFragmentCombinedOutputResources = 216,
+    .maxComputeSharedMemorySize = 32768,
+    .maxComputeWorkGroupCount = {65535, 65535, 65535},
+    .maxComputeWorkGroupInvocations = 1024,
+    .maxComputeWorkGroupSize = {1024, 1024, 1024},
+    .subPixelPrecisionBits = 8,
+    .subTexelPrecisionBits = 8,
+    .mipmapPrecisionBits = 8,
+    .maxDrawIndexedIndexValue = 0xFFFFFFFFu,
+    .maxDrawIndirectCount = 0xFFFFFFFFu,
+    .maxSamplerLodBias = 16,
+    .maxSamplerAnisotropy = 1,
+    .maxViewports = 1,
+    .maxViewportDimensions = {16384, 16384},
+    .viewportBoundsRange = {-32768, 32767},
+    .viewportSubPixelBits = 8,             // viewports are floats; positions are snapped after the transform
+    .minMemoryMapAlignment = 4096,
+    .minTexelBufferOffsetAlignment = 16,
+    .minUniformBufferOffsetAlignment = 16,
+    .minStorageBufferOffsetAlignment = 16,
+    .minTexelOffset = -8,
+    .maxTexelOffset = 7,
+    .maxFramebufferWidth = 16384,
+    .maxFramebufferHeight = 16384,
+    .maxFramebufferLayers = 2048,
+    .framebufferColorSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .framebufferDepthSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .framebufferStencilSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .framebufferNoAttachmentsSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .maxColorAttachments = kMaxColorAttachments,
+    .sampledImageColorSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .sampledImageIntegerSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .sampledImageDepthSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .sampledImageStencilSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .storageImageSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .maxSampleMaskWords = 1,
+    .timestampComputeAndGraphics = VK_TRUE,
+    .timestampPeriod = 1.0f,               // CLOCK_MONOTONIC, ns
+    .discreteQueuePriorities = 2,
+    .pointSizeRange = {1, 1},
+    .lineWidthRange = {1, 1},
+    .pointSizeGranularity = 0,
+    .lineWidthGranularity = 0,
+    .strictLines = VK_FALSE,
+    .standardSampleLocations = VK_TRUE,
+    .optimalBufferCopyOffsetAlignment = 1,
+    .optimalBufferCopyRowPitchAlignment = 1,
+    .nonCoherentAtomSize = 1,
+};
+
+}  // namespace pineda::icd

@@ -1,0 +1,111 @@
+// Recording of render passes, draws and dispatches.
+#include "icd/api.h"
+#include "icd/buffer.h"
+#include "icd/command_buffer.h"
+#include "icd/framebuffer.h"
+#include "icd/render_pass.h"
+
+namespace pineda::icd {
+namespace {
+
+uint64_t draw_cost_ns(const CommandBuffer& cb, uint64_t vertices, uint64_t instances) {
+  return cost::kDraw_ns + vertices * instances * cost::kVertex_ns + cb.area_px / cost::kPixelsPer_ns;
+}
+
+}  // namespace
+
+void api::CmdDraw(VkCommandBuffer handle, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex, uint32_t first_instance) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::Draw{vertex_count, instance_count, first_vertex, first_instance});
+    cb.add_cost(draw_cost_ns(cb, vertex_count, instance_count));
+  });
+}
+
+void api::CmdDrawIndexed(VkCommandBuffer handle, uint32_t index_count, uint32_t instance_count, uint32_t first_index, int32_t vertex_offset,
+                         uint32_t first_instance) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DrawIndexed{index_count, instance_count, first_index, vertex_offset, first_instance});
+    cb.add_cost(draw_cost_ns(cb, index_count, instance_count));
+  });
+}
+
+void api::CmdDrawIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, uint32_t draw_count, uint32_t stride) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DrawIndirect{from(buffer), offset, draw_count, stride});
+    cb.add_cost(cost::kUnknown_ns);
+  });
+}
+
+void api::CmdDrawIndexedIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, uint32_t draw_count, uint32_t stride) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DrawIndexedIndirect{from(buffer), offset, draw_count, stride});
+    cb.add_cost(cost::kUnknown_ns);
+  });
+}
+
+void api::CmdDispatch(VkCommandBuffer handle, uint32_t x, uint32_t y, uint32_t z) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::Dispatch{{x, y, z}});
+    cb.add_cost(uint64_t(x) * y * z * cb.workgroup_invocations * cost::kInvocation_ns);
+  });
+}
+
+void api::CmdDispatchIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DispatchIndirect{from(buffer), offset});
+    cb.add_cost(cost::kUnknown_ns);
+  });
+}
+
+void api::CmdBeginRenderPass(VkCommandBuffer handle, const VkRenderPassBeginInfo* info, VkSubpassContents) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::BeginRenderPass{.render_pass = from(info->renderPass),
+                                   .framebuffer = from(info->framebuffer),
+                                   .area = info->renderArea,
+                                   .clear_values = cb.copy(info->pClearValues, info->clearValueCount)});
+    cb.area_px = uint64_t(info->renderArea.extent.width) * info->renderArea.extent.height;
+    cb.add_cost(cb.area_px / cost::kPixelsPer_ns);
+  });
+}
+
+void api::CmdNextSubpass(VkCommandBuffer handle, VkSubpassContents) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::NextSubpass{});
+    cb.add_cost(cb.area_px / cost::kPixelsPer_ns);
+  });
+}
+
+void api::CmdEndRenderPass(VkCommandBuffer handle) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::EndRenderPass{});
+    cb.area_px = 0;
+  });
+}
+
+void api::CmdClearAttachments(VkCommandBuffer handle, uint32_t attachment_count, const VkClearAttachment* attachments, uint32_t rect_count,
+                              const VkClearRect* rects) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::ClearAttachments{cb.copy(attachments, attachment_count), cb.copy(rects, rect_count)});
+    cb.add_cost(cb.area_px / cost::kPixelsPer_ns);
+  });
+}
+
+void api::CmdExecuteCommands(VkCommandBuffer handle, uint32_t count, const VkCommandBuffer* command_buffers) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::ExecuteCommands{cb.copy(command_buffers, count)});
+    for (uint32_t i = 0; i < count; ++i) cb.inherit_from(*from(command_buffers[i]));
+  });
+}
+
+}  // namespace pineda::icd
