@@ -12,7 +12,7 @@ namespace pineda::icd {
 namespace {
 
 struct Registry {
-  std::mutex mutex;  // guards messengers; callbacks run outside it, because they may call Vulkan
+  std::mutex mutex;  // guards messengers; nothing is called under it
   std::vector<DebugMessenger*> messengers;
 };
 
@@ -57,7 +57,6 @@ void forward(Severity severity, std::string_view text) {
 void remove_if(auto&& matches) {
   const std::scoped_lock lock(registry().mutex);
   std::erase_if(registry().messengers, matches);
-  if (registry().messengers.empty()) set_log_sink({});
 }
 
 }  // namespace
@@ -72,9 +71,10 @@ VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUti
     *out = VK_NULL_HANDLE;
     auto messenger = make_object<DebugMessenger>(Allocator(callbacks, from(instance)->allocator), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT,
                                                  *from(instance), *info);
+    static std::once_flag sink_installed;  // for good: without messengers forward() does nothing
+    std::call_once(sink_installed, [] { set_log_sink(forward); });
     const std::scoped_lock lock(registry().mutex);
     registry().messengers.push_back(messenger.get());
-    set_log_sink(forward);
     *out = to_handle(messenger.release());
     return VK_SUCCESS;
   });
