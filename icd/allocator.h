@@ -1,8 +1,8 @@
-// VkAllocationCallbacks as RAII. Objects live in memory of the callbacks that the application passed for them (or for their device,
-// their instance, or malloc), and so do the containers inside them (HostVector).
+// VkAllocationCallbacks as RAII. Objects live in memory of the callbacks that the application passed for them (or for their
+// device, their instance, or malloc), and so do the containers inside them (HostVector).
 //
-// Out of memory is std::bad_alloc between here and the API border, where guarded() turns it into VK_ERROR_OUT_OF_HOST_MEMORY; every
-// constructor in between releases what it has by ordinary unwinding. No exception leaves an API command.
+// Out of memory is std::bad_alloc between here and the API border, where guarded() turns it into VK_ERROR_OUT_OF_HOST_MEMORY;
+// every constructor in between releases what it has by ordinary unwinding. No exception leaves an API command.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ class Allocator {
  public:
   Allocator();  // malloc
   // `callbacks` may be null: then as `fallback`.
-  Allocator(const VkAllocationCallbacks* callbacks, const Allocator& fallback) : callbacks_(callbacks ? *callbacks : fallback.callbacks_) {}
+  Allocator(const VkAllocationCallbacks* callbacks, const Allocator& fallback)
+      : callbacks_(callbacks ? *callbacks : fallback.callbacks_) {}
 
   // Null when memory is exhausted.
   void* allocate(size_t size_bytes, size_t alignment, VkSystemAllocationScope scope) const {
@@ -40,7 +41,8 @@ struct HostAllocator {
   const Allocator* source;
   VkSystemAllocationScope scope;
 
-  explicit HostAllocator(const Allocator* from, VkSystemAllocationScope s = VK_SYSTEM_ALLOCATION_SCOPE_OBJECT) : source(from), scope(s) {}
+  explicit HostAllocator(const Allocator* from, VkSystemAllocationScope s = VK_SYSTEM_ALLOCATION_SCOPE_OBJECT)
+      : source(from), scope(s) {}
   template <typename U>
   HostAllocator(const HostAllocator<U>& other) : source(other.source), scope(other.scope) {}
 
@@ -94,7 +96,8 @@ Owned<T> make_object(const Allocator& allocator, VkSystemAllocationScope scope, 
   }
 }
 
-// vkDestroy*: the callbacks given now release the memory (they are compatible with those of creation, but their pUserData may differ).
+// vkDestroy*: the callbacks given now release the memory (they are compatible with those of creation, but their pUserData may
+// differ).
 template <typename T>
 void destroy_object(T* object, const VkAllocationCallbacks* callbacks, const Allocator& fallback) {
   if (!object) return;

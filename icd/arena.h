@@ -11,7 +11,8 @@ namespace pineda::icd {
 
 class Arena {
  public:
-  explicit Arena(const Allocator& from, VkSystemAllocationScope scope) : blocks_(HostAllocator<Block>(&from, scope)), from_(from), scope_(scope) {}
+  explicit Arena(const Allocator& from, VkSystemAllocationScope scope)
+      : blocks_(HostAllocator<Block>(&from, scope)), from_(from), scope_(scope) {}
   ~Arena() { release(); }
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;

@@ -20,10 +20,12 @@ VkResult Buffer::check(Device&, const VkBufferCreateInfo& info) {
 BufferDescriptor Buffer::descriptor(VkDeviceSize offset, VkDeviceSize range) const {
   constexpr VkDeviceSize kMaxRange = 0xFFFFFFFFu;
   const VkDeviceSize size_bytes = address_ ? std::min(clamp(offset, range), kMaxRange) : 0;
-  return {.address = reinterpret_cast<uint64_t>(address_) + offset, .size_bytes = static_cast<uint32_t>(size_bytes), .reserved = 0};
+  return {
+      .address = reinterpret_cast<uint64_t>(address_) + offset, .size_bytes = static_cast<uint32_t>(size_bytes), .reserved = 0};
 }
 
-VkResult api::CreateBuffer(VkDevice device, const VkBufferCreateInfo* info, const VkAllocationCallbacks* callbacks, VkBuffer* out) {
+VkResult api::CreateBuffer(VkDevice device, const VkBufferCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                           VkBuffer* out) {
   return create_device_object<Buffer>(device, info, callbacks, out);
 }
 
@@ -32,7 +34,8 @@ void api::DestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCall
 }
 
 void api::GetBufferMemoryRequirements(VkDevice, VkBuffer buffer, VkMemoryRequirements* out) {
-  const VkDeviceSize rounded = (from(buffer)->size_bytes() + kResourceAlignment_bytes - 1) / kResourceAlignment_bytes * kResourceAlignment_bytes;
+  const VkDeviceSize rounded =
+      (from(buffer)->size_bytes() + kResourceAlignment_bytes - 1) / kResourceAlignment_bytes * kResourceAlignment_bytes;
   *out = {.size = rounded, .alignment = kResourceAlignment_bytes, .memoryTypeBits = 1};
 }
 

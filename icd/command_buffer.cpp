@@ -13,7 +13,8 @@ CommandBuffer::CommandBuffer(const Allocator& from, CommandPool& owner, VkComman
 VkResult CommandBuffer::begin(const VkCommandBufferBeginInfo& info) {
   reset(false);  // implicit reset
   const VkCommandBufferInheritanceInfo* inheritance = info.pInheritanceInfo;
-  const bool continues = level == VK_COMMAND_BUFFER_LEVEL_SECONDARY && (info.flags & VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT);
+  const bool continues =
+      level == VK_COMMAND_BUFFER_LEVEL_SECONDARY && (info.flags & VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT);
   if (continues && inheritance && inheritance->framebuffer) {
     const VkExtent2D extent = from(inheritance->framebuffer)->extent;
     area_px = uint64_t(extent.width) * extent.height;

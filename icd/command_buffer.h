@@ -1,7 +1,7 @@
 // VkCommandBuffer: a list of commands (command_list.h) and an estimate of their cost.
 //
-// vkCmd* return nothing: the first failure is kept and given by vkEndCommandBuffer, as the specification says for out-of-memory; commands that
-// the driver does not support fail the same way.
+// vkCmd* return nothing: the first failure is kept and given by vkEndCommandBuffer, as the specification says for out-of-memory;
+// commands that the driver does not support fail the same way.
 #pragma once
 
 #include <utility>
@@ -18,8 +18,8 @@ inline constexpr uint64_t kCommand_ns = 50;
 inline constexpr uint64_t kDraw_ns = 1000;
 inline constexpr uint64_t kVertex_ns = 10;
 inline constexpr uint64_t kInvocation_ns = 10;
-inline constexpr uint64_t kPixelsPer_ns = 2;     // of the render area, by each draw
-inline constexpr uint64_t kBytesPer_ns = 8;      // copies and fills
+inline constexpr uint64_t kPixelsPer_ns = 2;  // of the render area, by each draw
+inline constexpr uint64_t kBytesPer_ns = 8;   // copies and fills
 inline constexpr uint64_t kBlitTexel_ns = 20;
 inline constexpr uint64_t kUnknown_ns = 1'000'000;  // sizes that only execution shows
 }  // namespace cost
@@ -74,7 +74,7 @@ class CommandBuffer : public Dispatchable, public Object {
   void set_waits_for_host() { waits_for_host_ = true; }
 
   // Recording state that the cost estimate needs.
-  uint64_t area_px = 0;            // of the render area; 0 outside a render pass
+  uint64_t area_px = 0;                 // of the render area; 0 outside a render pass
   uint64_t workgroup_invocations = 64;  // of the compute pipeline bound last
 
  private:

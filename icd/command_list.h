@@ -187,9 +187,9 @@ enum class CommandType : uint32_t {
 
 template <typename Command>
 struct CommandTypeOf;
-#define PINEDA_COMMAND(name)                                 \
-  template <>                                                \
-  struct CommandTypeOf<cmd::name> {                          \
+#define PINEDA_COMMAND(name)                                   \
+  template <>                                                  \
+  struct CommandTypeOf<cmd::name> {                            \
     static constexpr CommandType kType = CommandType::k##name; \
   };
 #include "icd/commands.inc"

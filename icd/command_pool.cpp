@@ -10,7 +10,8 @@ CommandPool::~CommandPool() {
 }
 
 CommandBuffer* CommandPool::allocate(VkCommandBufferLevel level) {
-  CommandBuffer* command_buffer = make_object<CommandBuffer>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *this, level).release();
+  CommandBuffer* command_buffer =
+      make_object<CommandBuffer>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *this, level).release();
   command_buffer->next = first_;
   if (first_) first_->previous = command_buffer;
   first_ = command_buffer;

@@ -24,12 +24,12 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
   const PipelineLayout& layout = *from(info.layout);
   layout_ = layout.compiler_layout();
   if (info.stage.stage != VK_SHADER_STAGE_COMPUTE_BIT) return not_supported("vkCreateComputePipelines: not a compute stage");
-  if (const VkResult result = parse_stage(device, info.stage, &stage_); result != VK_SUCCESS) return result;
-  if (!within_limits(spirv::info(*stage_.module))) {
+  if (const VkResult result = parse_stage(device, info.stage, &module_); result != VK_SUCCESS) return result;
+  if (!within_limits(spirv::info(*module_))) {
     report(Severity::kError, "vkCreateComputePipelines: the workgroup is larger than the limits allow");
     return kShaderRejected;
   }
-  if (!textures_.add(*stage_.module, layout)) return kShaderRejected;
+  if (!textures_.add(*module_, layout)) return kShaderRejected;
   name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
   if (name_.empty()) name_ = "compute";
   if (samples()) return VK_SUCCESS;
@@ -37,14 +37,13 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
 }
 
 uint32_t ComputePipeline::invocations() const {
-  const auto& size = spirv::info(*stage_.module).local_size;
+  const auto& size = spirv::info(*module_).local_size;
   return size[0] * size[1] * size[2];
 }
 
 const ComputePipeline::Cache::Entry* ComputePipeline::compile(std::span<const TextureIds> key) const {
   const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
-  auto compiled =
-      compiler::compile_compute({.module = stage_.module.get(), .layout = layout_.get(), .textures = uses, .name = name_});
+  auto compiled = compiler::compile_compute({.module = module_.get(), .layout = layout_.get(), .textures = uses, .name = name_});
   if (!compiled) {
     report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
     return variants_.add(key, nullptr);

@@ -21,7 +21,7 @@ class ComputePipeline : public Pipeline {
   const Cache::Entry* compile(std::span<const TextureIds> key) const;
 
   std::shared_ptr<const compiler::PipelineLayout> layout_;
-  ShaderStage stage_;
+  spirv::ModulePtr module_;
   PipelineTextures textures_;
   std::string name_;
   mutable Cache variants_;

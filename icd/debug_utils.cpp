@@ -28,9 +28,12 @@ void send(const VkDebugUtilsMessengerCreateInfoEXT& to, VkDebugUtilsMessageSever
 
 VkDebugUtilsMessageSeverityFlagBitsEXT severity_bit(Severity severity) {
   switch (severity) {
-    case Severity::kInfo: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT;
-    case Severity::kWarning: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
-    case Severity::kError: return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    case Severity::kInfo:
+      return VK_DEBUG_UTILS_MESSAGE_SEVERITY_INFO_BIT_EXT;
+    case Severity::kWarning:
+      return VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+    case Severity::kError:
+      return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   }
   return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
 }
@@ -69,8 +72,8 @@ VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUti
                                            const VkAllocationCallbacks* callbacks, VkDebugUtilsMessengerEXT* out) {
   return guarded([&] {
     *out = VK_NULL_HANDLE;
-    auto messenger = make_object<DebugMessenger>(Allocator(callbacks, from(instance)->allocator), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT,
-                                                 *from(instance), *info);
+    auto messenger = make_object<DebugMessenger>(Allocator(callbacks, from(instance)->allocator),
+                                                 VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(instance), *info);
     static std::once_flag sink_installed;  // for good: without messengers forward() does nothing
     std::call_once(sink_installed, [] { set_log_sink(forward); });
     const std::scoped_lock lock(registry().mutex);
@@ -80,7 +83,8 @@ VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUti
   });
 }
 
-void api::DestroyDebugUtilsMessengerEXT(VkInstance instance, VkDebugUtilsMessengerEXT messenger, const VkAllocationCallbacks* callbacks) {
+void api::DestroyDebugUtilsMessengerEXT(VkInstance instance, VkDebugUtilsMessengerEXT messenger,
+                                        const VkAllocationCallbacks* callbacks) {
   if (!messenger) return;
   remove_if([&](const DebugMessenger* other) { return other == from(messenger); });
   destroy_object(from(messenger), callbacks, from(instance)->allocator);

@@ -1,5 +1,6 @@
-// VK_EXT_debug_utils: every message of base/log.h's report() goes to the messengers of every instance in the process (the compiler, which
-// speaks most, knows no instance). Object names are kept by the device (Device::set_name) and appear in dumps and error messages.
+// VK_EXT_debug_utils: every message of base/log.h's report() goes to the messengers of every instance in the process (the
+// compiler, which speaks most, knows no instance). Object names are kept by the device (Device::set_name) and appear in dumps and
+// error messages.
 #pragma once
 
 #include "icd/object.h"

@@ -45,8 +45,8 @@ void DescriptorPool::reset() {
   while (first_) release(first_);
 }
 
-VkResult api::CreateDescriptorPool(VkDevice device, const VkDescriptorPoolCreateInfo* info, const VkAllocationCallbacks* callbacks,
-                                   VkDescriptorPool* out) {
+VkResult api::CreateDescriptorPool(VkDevice device, const VkDescriptorPoolCreateInfo* info,
+                                   const VkAllocationCallbacks* callbacks, VkDescriptorPool* out) {
   return create_device_object<DescriptorPool>(device, info, callbacks, out);
 }
 

@@ -1,4 +1,5 @@
-// VkDescriptorPool: counts what may be allocated, and owns the sets. Each set is an allocation of its own, so a pool never fragments.
+// VkDescriptorPool: counts what may be allocated, and owns the sets. Each set is an allocation of its own, so a pool never
+// fragments.
 #pragma once
 
 #include "icd/descriptor_set.h"

@@ -69,7 +69,8 @@ Owned<DescriptorSet> DescriptorSet::make(const Allocator& allocator, const Descr
   return Owned<DescriptorSet>(new (memory) DescriptorSet(allocator, layout));
 }
 
-void DescriptorSet::write_one(const BindingLayout& binding, uint32_t element, const VkWriteDescriptorSet& write, uint32_t source) {
+void DescriptorSet::write_one(const BindingLayout& binding, uint32_t element, const VkWriteDescriptorSet& write,
+                              uint32_t source) {
   uint8_t* out = memory_ + binding.offset_bytes + element * binding.stride_bytes;
   if (!has_texture_ids(binding.type)) {
     const VkDescriptorBufferInfo& info = write.pBufferInfo[source];

@@ -1,5 +1,5 @@
-// VkDescriptorSet: descriptor memory in the layout that kernels read, and beside it the ids of what selects code. Object, memory and ids are one
-// allocation, owned by the pool.
+// VkDescriptorSet: descriptor memory in the layout that kernels read, and beside it the ids of what selects code. Object, memory
+// and ids are one allocation, owned by the pool.
 #pragma once
 
 #include <array>

@@ -28,12 +28,16 @@ uint32_t descriptor_bytes(VkDescriptorType type) {
     case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
     case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
     case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC:
-    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC: return sizeof(BufferDescriptor);
+    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC:
+      return sizeof(BufferDescriptor);
     case VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER:
     case VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE:
-    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE: return sizeof(ImageDescriptor);
-    case VK_DESCRIPTOR_TYPE_SAMPLER: return sizeof(SamplerDescriptor);
-    default: return 0;
+    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE:
+      return sizeof(ImageDescriptor);
+    case VK_DESCRIPTOR_TYPE_SAMPLER:
+      return sizeof(SamplerDescriptor);
+    default:
+      return 0;
   }
 }
 
@@ -45,8 +49,8 @@ VkResult DescriptorSetLayout::check(Device&, const VkDescriptorSetLayoutCreateIn
     if (binding.descriptorCount == 0) continue;
     const uint32_t bytes = descriptor_bytes(binding.descriptorType);
     if (bytes == 0) {
-      return not_supported("vkCreateDescriptorSetLayout: descriptor type " + std::to_string(binding.descriptorType) + " of binding " +
-                           std::to_string(binding.binding) + " is not supported");
+      return not_supported("vkCreateDescriptorSetLayout: descriptor type " + std::to_string(binding.descriptorType) +
+                           " of binding " + std::to_string(binding.binding) + " is not supported");
     }
     size_bytes += uint64_t(bytes) * binding.descriptorCount;
   }
@@ -58,8 +62,9 @@ DescriptorSetLayout::DescriptorSetLayout(const Allocator& from_allocator, Device
     : Object(from_allocator),
       bindings_(HostAllocator<BindingLayout>(&allocator)),
       immutable_samplers_(HostAllocator<ImmutableSampler>(&allocator)) {
-  HostVector<VkDescriptorSetLayoutBinding> sorted(info.pBindings, info.pBindings + info.bindingCount,
-                                                  HostAllocator<VkDescriptorSetLayoutBinding>(&allocator, VK_SYSTEM_ALLOCATION_SCOPE_COMMAND));
+  HostVector<VkDescriptorSetLayoutBinding> sorted(
+      info.pBindings, info.pBindings + info.bindingCount,
+      HostAllocator<VkDescriptorSetLayoutBinding>(&allocator, VK_SYSTEM_ALLOCATION_SCOPE_COMMAND));
   std::ranges::sort(sorted, {}, &VkDescriptorSetLayoutBinding::binding);
   bindings_.reserve(sorted.size());
   for (const VkDescriptorSetLayoutBinding& source : sorted) {
@@ -94,8 +99,8 @@ const BindingLayout* DescriptorSetLayout::find(uint32_t binding) const {
   return found == bindings_.end() ? nullptr : &*found;
 }
 
-VkResult api::CreateDescriptorSetLayout(VkDevice device, const VkDescriptorSetLayoutCreateInfo* info, const VkAllocationCallbacks* callbacks,
-                                        VkDescriptorSetLayout* out) {
+VkResult api::CreateDescriptorSetLayout(VkDevice device, const VkDescriptorSetLayoutCreateInfo* info,
+                                        const VkAllocationCallbacks* callbacks, VkDescriptorSetLayout* out) {
   return create_device_object<DescriptorSetLayout>(device, info, callbacks, out);
 }
 

@@ -1,5 +1,5 @@
-// VkDescriptorSetLayout: where each binding's descriptors are in a set's memory (base/abi.h), and which numbers they have among the set's textures and
-// dynamic offsets.
+// VkDescriptorSetLayout: where each binding's descriptors are in a set's memory (base/abi.h), and which numbers they have among
+// the set's textures and dynamic offsets.
 #pragma once
 
 #include "base/abi.h"
@@ -17,9 +17,9 @@ struct BindingLayout {
   VkDescriptorType type = VK_DESCRIPTOR_TYPE_SAMPLER;
   uint32_t count = 0;
   uint32_t offset_bytes = 0, stride_bytes = 0;
-  uint32_t texture_index = 0;         // of element 0 in DescriptorSet::textures, for images and samplers
-  uint32_t dynamic_index = 0;         // of element 0 among the set's dynamic offsets
-  uint32_t immutable_index = kNone;   // of element 0 in DescriptorSetLayout::immutable_samplers
+  uint32_t texture_index = 0;        // of element 0 in DescriptorSet::textures, for images and samplers
+  uint32_t dynamic_index = 0;        // of element 0 among the set's dynamic offsets
+  uint32_t immutable_index = kNone;  // of element 0 in DescriptorSetLayout::immutable_samplers
   static constexpr uint32_t kNone = ~0u;
 };
 

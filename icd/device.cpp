@@ -11,7 +11,8 @@
 
 namespace pineda::icd {
 
-Device::Device(const Allocator& from, PhysicalDevice& device) : Object(from), physical(device), pool(render_threads()), queue(*this) {}
+Device::Device(const Allocator& from, PhysicalDevice& device)
+    : Object(from), physical(device), pool(render_threads()), queue(*this) {}
 
 void Device::lose(std::string_view reason, std::source_location where) {
   if (lost_.exchange(true)) return;
@@ -56,7 +57,8 @@ void Device::forget_name(uint64_t handle) {
 namespace {
 
 bool known_extension(const char* name) {
-  return std::ranges::any_of(device_extensions(), [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+  return std::ranges::any_of(device_extensions(),
+                             [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
 // Every feature is a VkBool32, so the structure is an array of them.
@@ -78,7 +80,8 @@ VkResult check(const VkDeviceCreateInfo& info) {
   if (info.pEnabledFeatures && !features_available(*info.pEnabledFeatures)) return VK_ERROR_FEATURE_NOT_PRESENT;
   for (auto* next = static_cast<const VkBaseInStructure*>(info.pNext); next; next = next->pNext) {
     if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) continue;
-    if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features)) return VK_ERROR_FEATURE_NOT_PRESENT;
+    if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features))
+      return VK_ERROR_FEATURE_NOT_PRESENT;
   }
   for (uint32_t i = 0; i < info.queueCreateInfoCount; ++i) {
     const VkDeviceQueueCreateInfo& queue = info.pQueueCreateInfos[i];

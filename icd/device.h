@@ -24,10 +24,10 @@ class Device : public Dispatchable, public Object {
   Device(const Allocator& from, PhysicalDevice& physical);
 
   PhysicalDevice& physical;
-  Notifier notifier;              // fences, events, queries
+  Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
-  raster::ThreadPool pool;        // used by whoever executes for the queue, one at a time
-  Queue queue;                    // last: its worker uses the others
+  raster::ThreadPool pool;  // used by whoever executes for the queue, one at a time
+  Queue queue;              // last: its worker uses the others
 
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   void lose(std::string_view reason, std::source_location where = std::source_location::current());
@@ -58,7 +58,8 @@ VkResult create_device_object(VkDevice device, const Info* info, const VkAllocat
     if constexpr (requires { T::check(owner, *info); }) {
       if (const VkResult result = T::check(owner, *info); result != VK_SUCCESS) return result;
     }
-    *out = to_handle(make_object<T>(Allocator(callbacks, owner.allocator), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, owner, *info).release());
+    *out = to_handle(
+        make_object<T>(Allocator(callbacks, owner.allocator), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, owner, *info).release());
     return VK_SUCCESS;
   });
 }

@@ -20,7 +20,8 @@ VkResult DeviceMemory::check(Device&, const VkMemoryAllocateInfo& info) {
   return info.allocationSize <= memory_heap_bytes() ? VK_SUCCESS : VK_ERROR_OUT_OF_DEVICE_MEMORY;
 }
 
-// Allocations of a huge page and more start at one and ask for them: first touch of a 1080p attachment is 4 page faults instead of 2000.
+// Allocations of a huge page and more start at one and ask for them: first touch of a 1080p attachment is 4 page faults instead
+// of 2000.
 DeviceMemory::DeviceMemory(const Allocator& from, Device& device, const VkMemoryAllocateInfo& info)
     : Object(from), device_(device), size_bytes_(info.allocationSize) {
   const bool huge = size_bytes_ >= kHugePageBytes;
@@ -45,7 +46,8 @@ DeviceMemory::~DeviceMemory() {
   device_.return_memory(size_bytes_);
 }
 
-VkResult api::AllocateMemory(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks, VkDeviceMemory* out) {
+VkResult api::AllocateMemory(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks,
+                             VkDeviceMemory* out) {
   const VkResult result = create_device_object<DeviceMemory>(device, info, callbacks, out);
   if (result == VK_SUCCESS && !from(*out)->data()) {
     FreeMemory(device, *out, callbacks);

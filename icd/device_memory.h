@@ -1,4 +1,5 @@
-// VkDeviceMemory: an anonymous mapping. New memory reads as zero (the kernel's pages), costs nothing until it is touched, and is always mapped.
+// VkDeviceMemory: an anonymous mapping. New memory reads as zero (the kernel's pages), costs nothing until it is touched, and is
+// always mapped.
 #pragma once
 
 #include "icd/object.h"

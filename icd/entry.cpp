@@ -18,7 +18,8 @@ constexpr uint32_t kMinLoaderInterfaceVersion = 3;
 PFN_vkVoidFunction api::GetInstanceProcAddr(VkInstance handle, const char* name) {
   const CommandEntry* entry = find_command(name);
   if (!entry) return nullptr;
-  const bool always = entry->level == Level::kGlobal || entry->function == reinterpret_cast<PFN_vkVoidFunction>(&api::GetInstanceProcAddr);
+  const bool always =
+      entry->level == Level::kGlobal || entry->function == reinterpret_cast<PFN_vkVoidFunction>(&api::GetInstanceProcAddr);
   if (always) return entry->function;
   return handle && from(handle)->has(entry->gate) ? entry->function : nullptr;
 }

@@ -1,6 +1,6 @@
-// Execution of vkCmdBlitImage ("Image Blits"): for each texel of the destination, the source is sampled at the centre that corresponds, clamped to the
-// edge of the source level. Texels are decoded and encoded through the table of formats, so every colour format blits to every other of its
-// kind; between equal formats and without a filter, texels are copied.
+// Execution of vkCmdBlitImage ("Image Blits"): for each texel of the destination, the source is sampled at the centre that
+// corresponds, clamped to the edge of the source level. Texels are decoded and encoded through the table of formats, so every
+// colour format blits to every other of its kind; between equal formats and without a filter, texels are copied.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,8 +13,8 @@
 namespace pineda::icd {
 namespace {
 
-// One axis: destination texel i, at its centre, is source coordinate (i + 0.5 - to0) * scale + from0. Corners may be swapped on either side, which
-// mirrors. Doubles: products of 15-bit numbers and a quotient, far from any rounding that would move a texel.
+// One axis: destination texel i, at its centre, is source coordinate (i + 0.5 - to0) * scale + from0. Corners may be swapped on
+// either side, which mirrors. Doubles: products of 15-bit numbers and a quotient, far from any rounding that would move a texel.
 struct Axis {
   double scale, from0, to0;
   int32_t begin, end;  // destination texels, in ascending order
@@ -42,7 +42,9 @@ struct Blit {
   uint64_t from_pitch_bytes, to_pitch_bytes;
   bool linear;
 
-  const uint8_t* source_texel(uint32_t tx, uint32_t ty) const { return from + ty * from_pitch_bytes + uint64_t(tx) * source.format.texel_bytes; }
+  const uint8_t* source_texel(uint32_t tx, uint32_t ty) const {
+    return from + ty * from_pitch_bytes + uint64_t(tx) * source.format.texel_bytes;
+  }
   uint8_t* destination_texel(int32_t tx, int32_t ty) const {
     return to + uint64_t(ty) * to_pitch_bytes + uint64_t(tx) * destination.format.texel_bytes;
   }
@@ -102,11 +104,13 @@ void blit_rows(raster::ThreadPool& pool, const Blit& blit) {
 }
 
 // Offsets of a blit as a region, whatever the order of its corners.
-std::optional<ImageRegion> corners(const Image& image, const VkImageSubresourceLayers& subresource, const VkOffset3D (&offsets)[2]) {
+std::optional<ImageRegion> corners(const Image& image, const VkImageSubresourceLayers& subresource,
+                                   const VkOffset3D (&offsets)[2]) {
   const auto [x0, x1] = std::minmax(offsets[0].x, offsets[1].x);
   const auto [y0, y1] = std::minmax(offsets[0].y, offsets[1].y);
   const auto [z0, z1] = std::minmax(offsets[0].z, offsets[1].z);
-  return image_region(image, subresource, {x0, y0, z0}, {uint32_t(x1) - uint32_t(x0), uint32_t(y1) - uint32_t(y0), uint32_t(z1) - uint32_t(z0)});
+  return image_region(image, subresource, {x0, y0, z0},
+                      {uint32_t(x1) - uint32_t(x0), uint32_t(y1) - uint32_t(y0), uint32_t(z1) - uint32_t(z0)});
 }
 
 }  // namespace
@@ -128,15 +132,17 @@ void Executor::execute(const cmd::BlitImage& command) {
     const LevelLayout& to_level = destination.layout.level[region.dstSubresource.mipLevel];
     for (uint32_t i = 0; i < std::min(from->slices, to->slices); ++i) {
       blit_rows(device_.pool,
-          {.source = source,
-           .destination = destination,
-           .x = {region.srcOffsets[0].x, region.srcOffsets[1].x, region.dstOffsets[0].x, region.dstOffsets[1].x, from_level.extent.width},
-           .y = {region.srcOffsets[0].y, region.srcOffsets[1].y, region.dstOffsets[0].y, region.dstOffsets[1].y, from_level.extent.height},
-           .from = source.subresource(region.srcSubresource.mipLevel, region.srcSubresource.baseArrayLayer + i),
-           .to = destination.subresource(region.dstSubresource.mipLevel, region.dstSubresource.baseArrayLayer + i),
-           .from_pitch_bytes = from_level.row_pitch_bytes,
-           .to_pitch_bytes = to_level.row_pitch_bytes,
-           .linear = command.filter == VK_FILTER_LINEAR && !source.format.is_integer() && !is_depth});
+                {.source = source,
+                 .destination = destination,
+                 .x = {region.srcOffsets[0].x, region.srcOffsets[1].x, region.dstOffsets[0].x, region.dstOffsets[1].x,
+                       from_level.extent.width},
+                 .y = {region.srcOffsets[0].y, region.srcOffsets[1].y, region.dstOffsets[0].y, region.dstOffsets[1].y,
+                       from_level.extent.height},
+                 .from = source.subresource(region.srcSubresource.mipLevel, region.srcSubresource.baseArrayLayer + i),
+                 .to = destination.subresource(region.dstSubresource.mipLevel, region.dstSubresource.baseArrayLayer + i),
+                 .from_pitch_bytes = from_level.row_pitch_bytes,
+                 .to_pitch_bytes = to_level.row_pitch_bytes,
+                 .linear = command.filter == VK_FILTER_LINEAR && !source.format.is_integer() && !is_depth});
     }
   }
 }

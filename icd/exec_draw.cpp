@@ -88,27 +88,44 @@ void Executor::draw(const DrawCall& call) {
 
 raster::IndexBuffer Executor::index_buffer() const {
   if (!index_.buffer || !index_.buffer->data()) return {};
-  return {.address = index_.buffer->data() + index_.offset, .size_bytes = index_.buffer->clamp(index_.offset, VK_WHOLE_SIZE), .type = index_.type};
+  return {.address = index_.buffer->data() + index_.offset,
+          .size_bytes = index_.buffer->clamp(index_.offset, VK_WHOLE_SIZE),
+          .type = index_.type};
 }
 
 void Executor::execute(const cmd::Draw& c) {
-  draw({.index = {}, .first = c.first_vertex, .count = c.vertex_count, .vertex_offset = 0, .first_instance = c.first_instance,
-        .instance_count = c.instance_count, .draw_index = 0});
+  draw({.index = {},
+        .first = c.first_vertex,
+        .count = c.vertex_count,
+        .vertex_offset = 0,
+        .first_instance = c.first_instance,
+        .instance_count = c.instance_count,
+        .draw_index = 0});
 }
 
 void Executor::execute(const cmd::DrawIndexed& c) {
   const raster::IndexBuffer index = index_buffer();
   if (!index.address) return;
-  draw({.index = index, .first = c.first_index, .count = c.index_count, .vertex_offset = c.vertex_offset,
-        .first_instance = c.first_instance, .instance_count = c.instance_count, .draw_index = 0});
+  draw({.index = index,
+        .first = c.first_index,
+        .count = c.index_count,
+        .vertex_offset = c.vertex_offset,
+        .first_instance = c.first_instance,
+        .instance_count = c.instance_count,
+        .draw_index = 0});
 }
 
 void Executor::execute(const cmd::DrawIndirect& c) {
   for (uint32_t i = 0; i < c.draw_count && !device_.lost(); ++i) {
     VkDrawIndirectCommand d;
     if (!c.buffer->read(c.offset + uint64_t(i) * c.stride, &d)) return;
-    draw({.index = {}, .first = d.firstVertex, .count = d.vertexCount, .vertex_offset = 0, .first_instance = d.firstInstance,
-          .instance_count = d.instanceCount, .draw_index = i});
+    draw({.index = {},
+          .first = d.firstVertex,
+          .count = d.vertexCount,
+          .vertex_offset = 0,
+          .first_instance = d.firstInstance,
+          .instance_count = d.instanceCount,
+          .draw_index = i});
   }
 }
 
@@ -117,8 +134,13 @@ void Executor::execute(const cmd::DrawIndexedIndirect& c) {
   for (uint32_t i = 0; i < c.draw_count && index.address && !device_.lost(); ++i) {
     VkDrawIndexedIndirectCommand d;
     if (!c.buffer->read(c.offset + uint64_t(i) * c.stride, &d)) return;
-    draw({.index = index, .first = d.firstIndex, .count = d.indexCount, .vertex_offset = d.vertexOffset, .first_instance = d.firstInstance,
-          .instance_count = d.instanceCount, .draw_index = i});
+    draw({.index = index,
+          .first = d.firstIndex,
+          .count = d.indexCount,
+          .vertex_offset = d.vertexOffset,
+          .first_instance = d.firstInstance,
+          .instance_count = d.instanceCount,
+          .draw_index = i});
   }
 }
 

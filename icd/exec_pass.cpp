@@ -12,11 +12,12 @@ namespace {
 
 void report_statistics(const raster::PassStatistics& s) {
   const auto n = [](uint64_t value) { return std::to_string(value); };
-  report(Severity::kInfo, "render pass: " + n(s.draws) + " draws, " + n(s.vertices_shaded) + " vertices, triangles " + n(s.triangles_in) +
-                              " in, " + n(s.triangles_culled) + " culled, " + n(s.triangles_clipped) + " clipped, " + n(s.triangles_binned) +
-                              " binned in " + n(s.bin_entries) + " entries; blocks " + n(s.blocks_shaded) + " shaded, " +
-                              n(s.blocks_hi_z_rejected) + " rejected by Hi-Z; tiles " + n(s.tiles_touched) + " touched, " +
-                              n(s.tiles_filled) + " filled, " + n(s.tiles_untouched) + " untouched; " + n(s.flushes) + " flushes");
+  report(Severity::kInfo, "render pass: " + n(s.draws) + " draws, " + n(s.vertices_shaded) + " vertices, triangles " +
+                              n(s.triangles_in) + " in, " + n(s.triangles_culled) + " culled, " + n(s.triangles_clipped) +
+                              " clipped, " + n(s.triangles_binned) + " binned in " + n(s.bin_entries) + " entries; blocks " +
+                              n(s.blocks_shaded) + " shaded, " + n(s.blocks_hi_z_rejected) + " rejected by Hi-Z; tiles " +
+                              n(s.tiles_touched) + " touched, " + n(s.tiles_filled) + " filled, " + n(s.tiles_untouched) +
+                              " untouched; " + n(s.flushes) + " flushes");
 }
 
 VkClearValue clear_value(const cmd::BeginRenderPass& begin, uint32_t index) {

@@ -21,7 +21,8 @@ void Executor::execute(const cmd::CopyQueryPoolResults& command) {
   if (!command.destination->data()) return;
   // Commands before this one have run, so WAIT would only hang on a query that was never written.
   const VkQueryResultFlags flags = command.flags & ~VkQueryResultFlags(VK_QUERY_RESULT_WAIT_BIT);
-  (void)command.pool->results({command.first, command.count, command.destination->data() + command.offset, command.stride, flags});
+  (void)command.pool->results(
+      {command.first, command.count, command.destination->data() + command.offset, command.stride, flags});
 }
 
 }  // namespace pineda::icd

@@ -22,7 +22,8 @@ void copy(raster::ThreadPool& pool, const Rows& to, const Rows& from, uint64_t r
 }
 
 // The rows of a buffer that belong to a region of an image ("Buffer and Image Addressing"); nothing when they are not inside it.
-std::optional<Rows> buffer_rows(const Buffer& buffer, const VkBufferImageCopy& region, const ImageRegion& image, uint32_t texel_bytes) {
+std::optional<Rows> buffer_rows(const Buffer& buffer, const VkBufferImageCopy& region, const ImageRegion& image,
+                                uint32_t texel_bytes) {
   const uint64_t row_length = region.bufferRowLength ? region.bufferRowLength : region.imageExtent.width;
   const uint64_t image_height = region.bufferImageHeight ? region.bufferImageHeight : region.imageExtent.height;
   const Rows rows{buffer.data() + region.bufferOffset, row_length * texel_bytes, row_length * image_height * texel_bytes};
@@ -74,7 +75,8 @@ void Executor::execute(const cmd::CopyImage& command) {
     const auto from = image_region(*command.source, region.srcSubresource, region.srcOffset, region.extent);
     const auto to = image_region(*command.destination, region.dstSubresource, region.dstOffset, region.extent);
     if (!from || !to) continue;
-    copy(device_.pool, to->rows, from->rows, uint64_t(from->width) * texel_bytes, from->height, std::min(from->slices, to->slices));
+    copy(device_.pool, to->rows, from->rows, uint64_t(from->width) * texel_bytes, from->height,
+         std::min(from->slices, to->slices));
   }
 }
 

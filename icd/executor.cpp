@@ -6,7 +6,9 @@
 
 namespace pineda::icd {
 
-Executor::Executor(Device& device) : device_(device), arena_(device.allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE) { reset_state(); }
+Executor::Executor(Device& device) : device_(device), arena_(device.allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE) {
+  reset_state();
+}
 
 void Executor::reset_state() {
   graphics_ = {};
@@ -32,13 +34,15 @@ void Executor::walk(const CommandBuffer& command_buffer) {
     device_.lose("a command buffer was submitted that has not been recorded completely");
     return;
   }
-  for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next) execute(*header);
+  for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next)
+    execute(*header);
 }
 
 void Executor::execute(const CommandHeader& header) {
   switch (header.type) {
 #define PINEDA_COMMAND(name) \
-  case CommandType::k##name: return execute(static_cast<const CommandNode<cmd::name>&>(header).command);
+  case CommandType::k##name: \
+    return execute(static_cast<const CommandNode<cmd::name>&>(header).command);
 #include "icd/commands.inc"
   }
 }

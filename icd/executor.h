@@ -1,7 +1,8 @@
-// Walks the commands of a command buffer and turns them into work for raster/: one execute() for each row of commands.inc, in exec_*.cpp.
+// Walks the commands of a command buffer and turns them into work for raster/: one execute() for each row of commands.inc, in
+// exec_*.cpp.
 //
-// Belongs to the queue; used by one thread at a time (queue.h). State that shaders see is kept as a DrawContext that binds write into; a
-// draw copies it into the arena when it has changed since the last draw, because draws of a pass run later, together.
+// Belongs to the queue; used by one thread at a time (queue.h). State that shaders see is kept as a DrawContext that binds write
+// into; a draw copies it into the arena when it has changed since the last draw, because draws of a pass run later, together.
 #pragma once
 
 #include <optional>

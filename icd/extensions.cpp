@@ -4,7 +4,8 @@ namespace pineda::icd {
 
 std::span<const InstanceExtension> instance_extensions() {
   static constexpr InstanceExtension kExtensions[] = {
-      {{VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_SPEC_VERSION}, kProperties2},
+      {{VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_SPEC_VERSION},
+       kProperties2},
       {{VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_SPEC_VERSION}, kDebugUtils},
   };
   return kExtensions;

@@ -29,15 +29,19 @@ bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
   if (features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT) allowed |= VK_IMAGE_USAGE_SAMPLED_BIT;
   constexpr VkImageUsageFlags kTransient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT;
   if (features & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT) allowed |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient;
-  if (features & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT) allowed |= VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient;
+  if (features & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT)
+    allowed |= VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient;
   return (usage & ~allowed) == 0;
 }
 
 VkExtent3D max_extent(const ImageQuery& query) {
   switch (query.type) {
-    case VK_IMAGE_TYPE_1D: return {kLimits.maxImageDimension1D, 1, 1};
-    case VK_IMAGE_TYPE_3D: return {kLimits.maxImageDimension3D, kLimits.maxImageDimension3D, kLimits.maxImageDimension3D};
-    default: return {kLimits.maxImageDimension2D, kLimits.maxImageDimension2D, 1};
+    case VK_IMAGE_TYPE_1D:
+      return {kLimits.maxImageDimension1D, 1, 1};
+    case VK_IMAGE_TYPE_3D:
+      return {kLimits.maxImageDimension3D, kLimits.maxImageDimension3D, kLimits.maxImageDimension3D};
+    default:
+      return {kLimits.maxImageDimension2D, kLimits.maxImageDimension2D, 1};
   }
 }
 

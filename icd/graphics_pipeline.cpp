@@ -14,9 +14,9 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
     const VkPipelineShaderStageCreateInfo& stage = info.pStages[i];
     const bool is_vertex = stage.stage == VK_SHADER_STAGE_VERTEX_BIT;
     if (!is_vertex && !state_.rasterizes) continue;  // a fragment shader that never runs
-    ShaderStage& parsed = is_vertex ? vertex_ : fragment_;
+    spirv::ModulePtr& parsed = is_vertex ? vertex_ : fragment_;
     if (const VkResult result = parse_stage(device, stage, &parsed); result != VK_SUCCESS) return result;
-    if (!textures_.add(*parsed.module, layout)) return kShaderRejected;
+    if (!textures_.add(*parsed, layout)) return kShaderRejected;
     const std::string module_name = device.name_of(reinterpret_cast<uint64_t>(stage.module));
     if (!module_name.empty()) name_ += (name_.empty() ? "" : "+") + module_name;
   }
@@ -27,8 +27,8 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
 
 const GraphicsPipeline::Cache::Entry* GraphicsPipeline::compile(std::span<const TextureIds> key) const {
   const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
-  auto compiled = compiler::compile_graphics({.vertex = vertex_.module.get(),
-                                              .fragment = fragment_.module.get(),
+  auto compiled = compiler::compile_graphics({.vertex = vertex_.get(),
+                                              .fragment = fragment_.get(),
                                               .layout = layout_.get(),
                                               .vertex_input = state_.vertex_input,
                                               .state = state_.fragment,

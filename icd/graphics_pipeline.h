@@ -15,8 +15,8 @@ class GraphicsPipeline : public Pipeline {
   const GraphicsState& state() const { return state_; }
   bool samples() const { return !textures_.empty(); }
 
-  // Kernels for what the sets hold; compiled now if this combination is new. Null (reported) when that fails. Only for the thread that
-  // executes for the queue.
+  // Kernels for what the sets hold; compiled now if this combination is new. Null (reported) when that fails. Only for the thread
+  // that executes for the queue.
   const compiler::GraphicsKernels* kernels(const DescriptorSet* const* sets) const;
 
  private:
@@ -25,7 +25,7 @@ class GraphicsPipeline : public Pipeline {
 
   GraphicsState state_;
   std::shared_ptr<const compiler::PipelineLayout> layout_;
-  ShaderStage vertex_, fragment_;  // fragment_.module is null without a fragment stage
+  spirv::ModulePtr vertex_, fragment_;  // fragment_ is null without a fragment stage
   PipelineTextures textures_;
   std::string name_;
   mutable Cache variants_;

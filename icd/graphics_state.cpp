@@ -34,8 +34,10 @@ VkResult translate_input_assembly(const VkPipelineInputAssemblyStateCreateInfo& 
   switch (info.topology) {
     case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST:
     case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP:
-    case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN: break;
-    default: return not_supported("vkCreateGraphicsPipelines: only triangle lists, strips and fans are supported");
+    case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN:
+      break;
+    default:
+      return not_supported("vkCreateGraphicsPipelines: only triangle lists, strips and fans are supported");
   }
   out.topology = info.topology;
   out.primitive_restart = info.primitiveRestartEnable;
@@ -44,7 +46,8 @@ VkResult translate_input_assembly(const VkPipelineInputAssemblyStateCreateInfo& 
 
 VkResult translate_rasterization(const VkPipelineRasterizationStateCreateInfo& info, GraphicsState& out) {
   out.rasterizes = !info.rasterizerDiscardEnable;
-  if (info.polygonMode != VK_POLYGON_MODE_FILL) return not_supported("vkCreateGraphicsPipelines: fillModeNonSolid is not supported");
+  if (info.polygonMode != VK_POLYGON_MODE_FILL)
+    return not_supported("vkCreateGraphicsPipelines: fillModeNonSolid is not supported");
   if (info.depthClampEnable) return not_supported("vkCreateGraphicsPipelines: depthClamp is not supported");
   out.cull = info.cullMode;
   out.front_face = info.frontFace;
@@ -76,7 +79,8 @@ VkResult translate_multisample(const VkPipelineMultisampleStateCreateInfo& info,
 
 VkResult translate_depth(const VkPipelineDepthStencilStateCreateInfo& info, const Subpass& subpass, GraphicsState& out) {
   if (info.depthBoundsTestEnable) return not_supported("vkCreateGraphicsPipelines: depthBounds is not supported");
-  // No format has a stencil aspect: "if there is no stencil framebuffer attachment, the test always passes" and nothing is written.
+  // No format has a stencil aspect: "if there is no stencil framebuffer attachment, the test always passes" and nothing is
+  // written.
   compiler::DepthState& depth = out.fragment.depth;
   depth.format = subpass.depth.format;
   if (depth.format == VK_FORMAT_UNDEFINED || !info.depthTestEnable) return VK_SUCCESS;  // writes need the test, too
@@ -123,7 +127,8 @@ VkResult translate_dynamic(const VkPipelineDynamicStateCreateInfo* info, Graphic
 
 }  // namespace
 
-// Structures that the specification says are ignored (rasterization disabled, no such attachment) may be dangling pointers: not read then.
+// Structures that the specification says are ignored (rasterization disabled, no such attachment) may be dangling pointers: not
+// read then.
 VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out) {
   const RenderPass& render_pass = *from(info.renderPass);
   if (info.subpass >= render_pass.subpass_count()) return not_supported("vkCreateGraphicsPipelines: no such subpass");

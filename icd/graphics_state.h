@@ -1,4 +1,5 @@
-// VkGraphicsPipelineCreateInfo, translated once: what selects code goes to the compiler, what is data or dynamic to the draw packets.
+// VkGraphicsPipelineCreateInfo, translated once: what selects code goes to the compiler, what is data or dynamic to the draw
+// packets.
 #pragma once
 
 #include "compiler/compile.h"
@@ -23,13 +24,13 @@ struct GraphicsState {
   compiler::VertexState vertex_input;
   compiler::FragmentState fragment;
   DynamicState values;
-  uint32_t dynamic_mask = 0;        // dynamic_bit of what the pipeline leaves to vkCmdSet*
+  uint32_t dynamic_mask = 0;  // dynamic_bit of what the pipeline leaves to vkCmdSet*
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   bool primitive_restart = false;
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
   bool depth_clamp = false, depth_bias = false;
-  bool rasterizes = true;           // false: rasterizerDiscardEnable, or a sample mask without the only sample
+  bool rasterizes = true;  // false: rasterizerDiscardEnable, or a sample mask without the only sample
 };
 
 VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out);

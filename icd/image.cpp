@@ -9,19 +9,22 @@
 
 namespace pineda::icd {
 
-// The specification makes exceeding vkGetPhysicalDeviceImageFormatProperties invalid; being exact here keeps sizes within 32 bits.
+// The specification makes exceeding vkGetPhysicalDeviceImageFormatProperties invalid; being exact here keeps sizes within 32
+// bits.
 VkResult Image::check(Device&, const VkImageCreateInfo& info) {
   VkImageFormatProperties limits;
   const ImageQuery query{info.format, info.imageType, info.tiling, info.usage, info.flags};
   if (image_format_properties(query, &limits) != VK_SUCCESS) {
-    return not_supported("vkCreateImage: vkGetPhysicalDeviceImageFormatProperties refuses this format, type, usage or these flags");
+    return not_supported(
+        "vkCreateImage: vkGetPhysicalDeviceImageFormatProperties refuses this format, type, usage or these flags");
   }
   const VkExtent3D& extent = info.extent;
   const bool fits = extent.width >= 1 && extent.height >= 1 && extent.depth >= 1 && extent.width <= limits.maxExtent.width &&
                     extent.height <= limits.maxExtent.height && extent.depth <= limits.maxExtent.depth;
   const uint32_t largest = std::max({extent.width, extent.height, extent.depth});
   const bool levels_fit = info.mipLevels >= 1 && info.mipLevels <= uint32_t(std::bit_width(largest));
-  if (!fits || !levels_fit || info.arrayLayers < 1 || info.arrayLayers > limits.maxArrayLayers || info.samples != VK_SAMPLE_COUNT_1_BIT) {
+  if (!fits || !levels_fit || info.arrayLayers < 1 || info.arrayLayers > limits.maxArrayLayers ||
+      info.samples != VK_SAMPLE_COUNT_1_BIT) {
     return not_supported("vkCreateImage: extent, levels, layers or samples are beyond vkGetPhysicalDeviceImageFormatProperties");
   }
   const bool addressable = image_layout(extent, info.mipLevels, info.arrayLayers, texel_bytes(info.format)).has_value();

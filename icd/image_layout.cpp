@@ -11,7 +11,8 @@ std::optional<ImageLayout> image_layout(VkExtent3D extent, uint32_t level_count,
   for (uint32_t i = 0; i < level_count; ++i) {
     LevelLayout& level = layout.level[i];
     level.extent = {std::max(extent.width >> i, 1u), std::max(extent.height >> i, 1u), std::max(extent.depth >> i, 1u)};
-    const uint64_t row = (uint64_t(level.extent.width) * texel_bytes + kRowAlignment_bytes - 1) / kRowAlignment_bytes * kRowAlignment_bytes;
+    const uint64_t row =
+        (uint64_t(level.extent.width) * texel_bytes + kRowAlignment_bytes - 1) / kRowAlignment_bytes * kRowAlignment_bytes;
     const uint64_t slice = row * level.extent.height;
     if (slice * level.extent.depth > kMax) return std::nullopt;  // each factor is at most 2^14, a texel 2^4: no overflow
     level.offset_bytes = static_cast<uint32_t>(layer_bytes);

@@ -1,9 +1,10 @@
-// Where the texels of an image are. Both tilings are the same: rows, top to bottom; layer after layer, and within a layer level after level.
+// Where the texels of an image are. Both tilings are the same: rows, top to bottom; layer after layer, and within a layer level
+// after level.
 //
 //     layer 0: | level 0: row 0, row 1, ... | level 1 | ... |    layer 1: | level 0 ...
 //
-// Rows start at multiples of kRowAlignment_bytes, so a tile's row of 16 texels of 4 bytes is one cache line. A volume's level is its
-// slices, one after another.
+// Rows start at multiples of kRowAlignment_bytes, so a tile's row of 16 texels of 4 bytes is one cache line. A volume's level is
+// its slices, one after another.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ inline constexpr uint32_t kRowAlignment_bytes = 64;
 
 struct LevelLayout {
   VkExtent3D extent{};
-  uint32_t offset_bytes = 0;       // from the layer's start
+  uint32_t offset_bytes = 0;  // from the layer's start
   uint32_t row_pitch_bytes = 0;
   uint32_t slice_pitch_bytes = 0;  // between slices of a volume; otherwise the level's size
 };
@@ -26,7 +27,7 @@ struct LevelLayout {
 struct ImageLayout {
   std::array<LevelLayout, kMaxMipLevels> level{};
   uint32_t layer_pitch_bytes = 0;
-  uint32_t size_bytes = 0;         // all layers
+  uint32_t size_bytes = 0;  // all layers
 };
 
 // Nothing when the image does not fit 32-bit offsets.

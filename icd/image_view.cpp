@@ -9,13 +9,20 @@ namespace {
 uint8_t swizzle(VkComponentSwizzle component, uint8_t identity) {
   constexpr uint8_t kZero = 4, kOne = 5;  // compiler::TextureState::swizzle
   switch (component) {
-    case VK_COMPONENT_SWIZZLE_ZERO: return kZero;
-    case VK_COMPONENT_SWIZZLE_ONE: return kOne;
-    case VK_COMPONENT_SWIZZLE_R: return 0;
-    case VK_COMPONENT_SWIZZLE_G: return 1;
-    case VK_COMPONENT_SWIZZLE_B: return 2;
-    case VK_COMPONENT_SWIZZLE_A: return 3;
-    default: return identity;
+    case VK_COMPONENT_SWIZZLE_ZERO:
+      return kZero;
+    case VK_COMPONENT_SWIZZLE_ONE:
+      return kOne;
+    case VK_COMPONENT_SWIZZLE_R:
+      return 0;
+    case VK_COMPONENT_SWIZZLE_G:
+      return 1;
+    case VK_COMPONENT_SWIZZLE_B:
+      return 2;
+    case VK_COMPONENT_SWIZZLE_A:
+      return 3;
+    default:
+      return identity;
   }
 }
 
@@ -74,7 +81,8 @@ raster::Attachment ImageView::attachment(uint32_t layer) const {
   return attachment;
 }
 
-VkResult api::CreateImageView(VkDevice device, const VkImageViewCreateInfo* info, const VkAllocationCallbacks* callbacks, VkImageView* out) {
+VkResult api::CreateImageView(VkDevice device, const VkImageViewCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                              VkImageView* out) {
   return create_device_object<ImageView>(device, info, callbacks, out);
 }
 

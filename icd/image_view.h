@@ -1,5 +1,5 @@
-// VkImageView: the descriptor of a range of an image, ready to be copied into sets, and the attachment that a framebuffer makes of it. The image's
-// memory is bound before a view is made (VUID-VkImageViewCreateInfo-image-01020), so addresses are final.
+// VkImageView: the descriptor of a range of an image, ready to be copied into sets, and the attachment that a framebuffer makes
+// of it. The image's memory is bound before a view is made (VUID-VkImageViewCreateInfo-image-01020), so addresses are final.
 #pragma once
 
 #include "icd/image.h"

@@ -34,8 +34,8 @@ std::optional<uint32_t> enabled_gates(const VkInstanceCreateInfo& info) {
 VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* out) {
   return guarded([&] {
     *out = VK_NULL_HANDLE;
-    // "If apiVersion is a version the implementation does not support": a driver without vkEnumerateInstanceVersion knows 1.0 only. The
-    // loader rewrites the version for such drivers, so this is met only without a loader.
+    // "If apiVersion is a version the implementation does not support": a driver without vkEnumerateInstanceVersion knows 1.0
+    // only. The loader rewrites the version for such drivers, so this is met only without a loader.
     const uint32_t api = info->pApplicationInfo ? info->pApplicationInfo->apiVersion : 0;
     if (api != 0 && (VK_API_VERSION_VARIANT(api) != 0 || VK_API_VERSION_MAJOR(api) != 1 || VK_API_VERSION_MINOR(api) != 0)) {
       return VK_ERROR_INCOMPATIBLE_DRIVER;
@@ -55,7 +55,8 @@ void api::DestroyInstance(VkInstance instance, const VkAllocationCallbacks* call
 
 VkResult api::EnumerateInstanceExtensionProperties(const char* layer, uint32_t* count, VkExtensionProperties* out) {
   if (layer) return VK_ERROR_LAYER_NOT_PRESENT;
-  return enumerate(instance_extensions(), count, out, [](VkExtensionProperties& to, const InstanceExtension& e) { to = e.properties; });
+  return enumerate(instance_extensions(), count, out,
+                   [](VkExtensionProperties& to, const InstanceExtension& e) { to = e.properties; });
 }
 
 VkResult api::EnumerateInstanceLayerProperties(uint32_t* count, VkLayerProperties*) {

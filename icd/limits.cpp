@@ -1,5 +1,5 @@
-// Every value is what the implementation does, not what would look good. Where one is below the specification's minimum, the thing itself is missing
-// (multisampling, texel buffers, input attachments), and 0 or 1 says so.
+// Every value is what the implementation does, not what would look good. Where one is below the specification's minimum, the
+// thing itself is missing (multisampling, texel buffers, input attachments), and 0 or 1 says so.
 #include "icd/limits.h"
 
 #include "base/abi.h"
@@ -7,10 +7,10 @@
 namespace pineda::icd {
 
 constexpr VkPhysicalDeviceFeatures kFeatures = {
-    .robustBufferAccess = VK_TRUE,         // each access is checked in the IR (ir.h, `limit` operand), whether enabled or not
-    .fullDrawIndexUint32 = VK_TRUE,        // indices are never narrowed
-    .independentBlend = VK_TRUE,           // blend state is part of the kernel, for each attachment
-    .multiDrawIndirect = VK_TRUE,          // a loop in exec_draw.cpp
+    .robustBufferAccess = VK_TRUE,   // each access is checked in the IR (ir.h, `limit` operand), whether enabled or not
+    .fullDrawIndexUint32 = VK_TRUE,  // indices are never narrowed
+    .independentBlend = VK_TRUE,     // blend state is part of the kernel, for each attachment
+    .multiDrawIndirect = VK_TRUE,    // a loop in exec_draw.cpp
     .drawIndirectFirstInstance = VK_TRUE,
 };
 
@@ -20,11 +20,11 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxImageDimension3D = 2048,
     .maxImageDimensionCube = 16384,
     .maxImageArrayLayers = 2048,
-    .maxTexelBufferElements = 0,           // no texel buffers
+    .maxTexelBufferElements = 0,  // no texel buffers
     .maxUniformBufferRange = 65536,
     .maxStorageBufferRange = 0xFFFFFFFFu,  // BufferDescriptor::size_bytes
     .maxPushConstantsSize = kMaxPushConstantBytes,
-    .maxMemoryAllocationCount = 16384,     // each is one mapping; Linux allows 65530 a process
+    .maxMemoryAllocationCount = 16384,  // each is one mapping; Linux allows 65530 a process
     .maxSamplerAllocationCount = 1u << 20,
     .bufferImageGranularity = 1,
     .sparseAddressSpaceSize = 0,
@@ -67,7 +67,7 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxViewports = 1,
     .maxViewportDimensions = {16384, 16384},
     .viewportBoundsRange = {-32768, 32767},
-    .viewportSubPixelBits = 8,             // viewports are floats; positions are snapped after the transform
+    .viewportSubPixelBits = 8,  // viewports are floats; positions are snapped after the transform
     .minMemoryMapAlignment = 4096,
     .minTexelBufferOffsetAlignment = 16,
     .minUniformBufferOffsetAlignment = 16,
@@ -89,7 +89,7 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .storageImageSampleCounts = VK_SAMPLE_COUNT_1_BIT,
     .maxSampleMaskWords = 1,
     .timestampComputeAndGraphics = VK_TRUE,
-    .timestampPeriod = 1.0f,               // CLOCK_MONOTONIC, ns
+    .timestampPeriod = 1.0f,  // CLOCK_MONOTONIC, ns
     .discreteQueuePriorities = 2,
     .pointSizeRange = {1, 1},
     .lineWidthRange = {1, 1},

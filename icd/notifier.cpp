@@ -29,8 +29,8 @@ bool Notifier::sleep(uint32_t seen, uint64_t deadline_ns) {
     deadline.tv_nsec = long(deadline_ns % kNanosecondsPerSecond);
   }
   // WAIT_BITSET takes an absolute deadline on CLOCK_MONOTONIC; FUTEX_WAIT a relative one.
-  const long result = syscall(SYS_futex, &epoch_, FUTEX_WAIT_BITSET_PRIVATE, seen, deadline_ns == kForever ? nullptr : &deadline, nullptr,
-                              FUTEX_BITSET_MATCH_ANY);
+  const long result = syscall(SYS_futex, &epoch_, FUTEX_WAIT_BITSET_PRIVATE, seen, deadline_ns == kForever ? nullptr : &deadline,
+                              nullptr, FUTEX_BITSET_MATCH_ANY);
   return !(result == -1 && errno == ETIMEDOUT);
 }
 

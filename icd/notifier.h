@@ -1,5 +1,5 @@
-// Sleeping until something about fences, events or queries has changed: one counter for a device, a futex underneath. Waiting burns no core, and
-// notify() without a sleeper costs two atomic operations.
+// Sleeping until something about fences, events or queries has changed: one counter for a device, a futex underneath. Waiting
+// burns no core, and notify() without a sleeper costs two atomic operations.
 #pragma once
 
 #include <atomic>

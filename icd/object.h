@@ -18,9 +18,9 @@ struct Dispatchable {
 };
 
 // from(handle) -> object, to_handle(object) -> handle, for one pair of types.
-#define PINEDA_HANDLE(Type, VkType)                                                \
-  class Type;                                                                      \
-  inline Type* from(VkType handle) { return reinterpret_cast<Type*>(handle); }     \
+#define PINEDA_HANDLE(Type, VkType)                                            \
+  class Type;                                                                  \
+  inline Type* from(VkType handle) { return reinterpret_cast<Type*>(handle); } \
   inline VkType to_handle(Type* object) { return reinterpret_cast<VkType>(object); }
 
 PINEDA_HANDLE(Instance, VkInstance)
@@ -63,8 +63,9 @@ VkResult guarded(Body&& body) noexcept {
   }
 }
 
-// Refuses what the driver does not do. VK_ERROR_FEATURE_NOT_PRESENT is the specification's code for "a requested feature is not supported"; for
-// most commands it is not in the list of expected codes, because a valid application asks the feature bits first. The message says what it was.
+// Refuses what the driver does not do. VK_ERROR_FEATURE_NOT_PRESENT is the specification's code for "a requested feature is not
+// supported"; for most commands it is not in the list of expected codes, because a valid application asks the feature bits first.
+// The message says what it was.
 [[nodiscard]] inline VkResult not_supported(std::string_view what) {
   report(Severity::kError, what);
   return VK_ERROR_FEATURE_NOT_PRESENT;

@@ -27,12 +27,18 @@ VkDeviceSize control_group_limit_bytes() {
 }
 
 std::string device_name() {
-  static constexpr struct { jit::Isa isa; const char* text; } kIsaNames[] = {
-      {jit::Isa::kSse42, "SSE4.2"}, {jit::Isa::kAvx2, "AVX2"}, {jit::Isa::kAvx512, "AVX-512"}};
+  static constexpr struct {
+    jit::Isa isa;
+    const char* text;
+  } kIsaNames[] = {{jit::Isa::kSse42, "SSE4.2"}, {jit::Isa::kAvx2, "AVX2"}, {jit::Isa::kAvx512, "AVX-512"}};
   std::string text = "Pineda (";
   switch (config().mode) {
-    case Mode::kF32: text += "f32 evaluator"; break;
-    case Mode::kF64: text += "f64 evaluator"; break;
+    case Mode::kF32:
+      text += "f32 evaluator";
+      break;
+    case Mode::kF64:
+      text += "f64 evaluator";
+      break;
     case Mode::kJit:
     case Mode::kCheck: {
       std::string error;  // told again, as an error, by the first compile
@@ -117,16 +123,19 @@ void api::GetPhysicalDeviceFormatProperties(VkPhysicalDevice, VkFormat format, V
 }
 
 VkResult api::GetPhysicalDeviceImageFormatProperties(VkPhysicalDevice, VkFormat format, VkImageType type, VkImageTiling tiling,
-                                                     VkImageUsageFlags usage, VkImageCreateFlags flags, VkImageFormatProperties* out) {
+                                                     VkImageUsageFlags usage, VkImageCreateFlags flags,
+                                                     VkImageFormatProperties* out) {
   return image_format_properties({format, type, tiling, usage, flags}, out);
 }
 
-void api::GetPhysicalDeviceSparseImageFormatProperties(VkPhysicalDevice, VkFormat, VkImageType, VkSampleCountFlagBits, VkImageUsageFlags,
-                                                       VkImageTiling, uint32_t* count, VkSparseImageFormatProperties*) {
+void api::GetPhysicalDeviceSparseImageFormatProperties(VkPhysicalDevice, VkFormat, VkImageType, VkSampleCountFlagBits,
+                                                       VkImageUsageFlags, VkImageTiling, uint32_t* count,
+                                                       VkSparseImageFormatProperties*) {
   *count = 0;
 }
 
-VkResult api::EnumerateDeviceExtensionProperties(VkPhysicalDevice, const char* layer, uint32_t* count, VkExtensionProperties* out) {
+VkResult api::EnumerateDeviceExtensionProperties(VkPhysicalDevice, const char* layer, uint32_t* count,
+                                                 VkExtensionProperties* out) {
   if (layer) return VK_ERROR_LAYER_NOT_PRESENT;
   return enumerate(device_extensions(), count, out);
 }
@@ -136,7 +145,8 @@ VkResult api::EnumerateDeviceLayerProperties(VkPhysicalDevice, uint32_t* count, 
   return VK_SUCCESS;
 }
 
-// ---- VK_KHR_get_physical_device_properties2: the same answers, and the structures that a chain asks for -------------------------
+// ---- VK_KHR_get_physical_device_properties2: the same answers, and the structures that a chain asks for
+// -------------------------
 
 void api::GetPhysicalDeviceFeatures2KHR(VkPhysicalDevice, VkPhysicalDeviceFeatures2* out) { out->features = kFeatures; }
 
@@ -169,8 +179,8 @@ void api::GetPhysicalDeviceMemoryProperties2KHR(VkPhysicalDevice device, VkPhysi
   GetPhysicalDeviceMemoryProperties(device, &out->memoryProperties);
 }
 
-void api::GetPhysicalDeviceSparseImageFormatProperties2KHR(VkPhysicalDevice, const VkPhysicalDeviceSparseImageFormatInfo2*, uint32_t* count,
-                                                           VkSparseImageFormatProperties2*) {
+void api::GetPhysicalDeviceSparseImageFormatProperties2KHR(VkPhysicalDevice, const VkPhysicalDeviceSparseImageFormatInfo2*,
+                                                           uint32_t* count, VkSparseImageFormatProperties2*) {
   *count = 0;
 }
 

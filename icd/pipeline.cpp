@@ -11,8 +11,8 @@ bool PipelineTextures::add(const spirv::Module& module, const PipelineLayout& la
     if (!use.sampled) continue;
     Slot slot{use.image, use.sampler, {}, {}};
     if (!layout.find_texture(use.image, &slot.image_at)) {
-      report(Severity::kError, "a shader samples set " + std::to_string(use.image.set) + " binding " + std::to_string(use.image.binding) +
-                                   ", which the pipeline layout does not have");
+      report(Severity::kError, "a shader samples set " + std::to_string(use.image.set) + " binding " +
+                                   std::to_string(use.image.binding) + ", which the pipeline layout does not have");
       return false;
     }
     // A fetch has no sampler; its ref then names nothing and the image's own ids serve.

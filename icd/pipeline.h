@@ -1,8 +1,9 @@
 // VkPipeline: what graphics and compute pipelines share.
 //
-// Code that samples depends on what is bound (format, filter, address modes: compiler::TextureState). A pipeline that samples nothing is compiled at
-// creation; one that samples gets a variant for each combination of textures that a draw shows it, at the first such draw. The variants belong to
-// the thread that executes for the queue (queue.h: one at a time), so they need no lock; all else is constant after creation.
+// Code that samples depends on what is bound (format, filter, address modes: compiler::TextureState). A pipeline that samples
+// nothing is compiled at creation; one that samples gets a variant for each combination of textures that a draw shows it, at the
+// first such draw. The variants belong to the thread that executes for the queue (queue.h: one at a time), so they need no lock;
+// all else is constant after creation.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// VkPipelineCache: a valid header and nothing after it. Kernels are cached by the compiler, by their IR, for all devices of the process.
+// VkPipelineCache: a valid header and nothing after it. Kernels are cached by the compiler, by their IR, for all devices of the
+// process.
 #pragma once
 
 #include "icd/object.h"

@@ -12,7 +12,8 @@ VkResult PipelineLayout::check(Device&, const VkPipelineLayoutCreateInfo& info) 
   if (info.setLayoutCount > kMaxSets) return not_supported("vkCreatePipelineLayout: more than maxBoundDescriptorSets sets");
   uint32_t dynamic_count = 0;
   for (uint32_t i = 0; i < info.setLayoutCount; ++i) dynamic_count += from(info.pSetLayouts[i])->dynamic_count();
-  if (dynamic_count > kMaxDynamicOffsets) return not_supported("vkCreatePipelineLayout: more dynamic buffers than the limits allow");
+  if (dynamic_count > kMaxDynamicOffsets)
+    return not_supported("vkCreatePipelineLayout: more dynamic buffers than the limits allow");
   for (uint32_t i = 0; i < info.pushConstantRangeCount; ++i) {
     const VkPushConstantRange& range = info.pPushConstantRanges[i];
     if (range.offset > kMaxPushConstantBytes || range.size > kMaxPushConstantBytes - range.offset) {
@@ -57,8 +58,8 @@ bool PipelineLayout::find_texture(const spirv::ImageRef& ref, TextureSlot* out) 
   return false;
 }
 
-VkResult api::CreatePipelineLayout(VkDevice device, const VkPipelineLayoutCreateInfo* info, const VkAllocationCallbacks* callbacks,
-                                   VkPipelineLayout* out) {
+VkResult api::CreatePipelineLayout(VkDevice device, const VkPipelineLayoutCreateInfo* info,
+                                   const VkAllocationCallbacks* callbacks, VkPipelineLayout* out) {
   return create_device_object<PipelineLayout>(device, info, callbacks, out);
 }
 

@@ -21,7 +21,8 @@ class PipelineLayout : public Object {
 
   // Shared with pipelines, which may outlive this object.
   const std::shared_ptr<const compiler::PipelineLayout>& compiler_layout() const { return compiler_layout_; }
-  // Index in DrawContext::dynamic_offsets of the set's first dynamic descriptor. Compatible layouts agree on it: everything before a set is the same.
+  // Index in DrawContext::dynamic_offsets of the set's first dynamic descriptor. Compatible layouts agree on it: everything
+  // before a set is the same.
   uint32_t dynamic_base(uint32_t set) const { return dynamic_base_[set]; }
   // False when the layout has no such image or sampler.
   bool find_texture(const spirv::ImageRef& ref, TextureSlot* out) const;

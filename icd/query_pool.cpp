@@ -60,7 +60,8 @@ VkResult QueryPool::results(const Request& request) const {
   return result;
 }
 
-VkResult api::CreateQueryPool(VkDevice device, const VkQueryPoolCreateInfo* info, const VkAllocationCallbacks* callbacks, VkQueryPool* out) {
+VkResult api::CreateQueryPool(VkDevice device, const VkQueryPoolCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                              VkQueryPool* out) {
   return create_device_object<QueryPool>(device, info, callbacks, out);
 }
 
@@ -68,8 +69,8 @@ void api::DestroyQueryPool(VkDevice device, VkQueryPool pool, const VkAllocation
   destroy_device_object(device, pool, callbacks);
 }
 
-VkResult api::GetQueryPoolResults(VkDevice handle, VkQueryPool pool, uint32_t first, uint32_t count, size_t, void* data, VkDeviceSize stride,
-                                  VkQueryResultFlags flags) {
+VkResult api::GetQueryPoolResults(VkDevice handle, VkQueryPool pool, uint32_t first, uint32_t count, size_t, void* data,
+                                  VkDeviceSize stride, VkQueryResultFlags flags) {
   return guarded([&] {
     Device& device = *from(handle);
     while ((flags & VK_QUERY_RESULT_WAIT_BIT) && device.queue.help()) {

@@ -1,4 +1,5 @@
-// VkQueryPool of timestamps. Occlusion and statistics queries are refused at creation: the rasterizer's counters are not connected to them.
+// VkQueryPool of timestamps. Occlusion and statistics queries are refused at creation: the rasterizer's counters are not
+// connected to them.
 #pragma once
 
 #include <atomic>

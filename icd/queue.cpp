@@ -107,8 +107,8 @@ void Queue::execute(std::span<const CommandBuffer* const> commands) noexcept {
   }
 }
 
-// A fence is signalled only when running_ is down again: who has waited for it must find the queue idle, or its next small submission
-// would be handed to the worker. After a loss fences are signalled too, because waits must end.
+// A fence is signalled only when running_ is down again: who has waited for it must find the queue idle, or its next small
+// submission would be handed to the worker. After a loss fences are signalled too, because waits must end.
 void Queue::finish_locked(Fence* fence) {
   running_ = false;
   if (fence) fence->signal();
@@ -151,8 +151,8 @@ VkResult api::QueueWaitIdle(VkQueue queue) {
   return guarded([&] { return from(queue)->wait_idle(); });
 }
 
-// The queue family has no VK_QUEUE_SPARSE_BINDING_BIT and no sparse resource can be made, so a valid call binds nothing: the batches only
-// order semaphores and a fence.
+// The queue family has no VK_QUEUE_SPARSE_BINDING_BIT and no sparse resource can be made, so a valid call binds nothing: the
+// batches only order semaphores and a fence.
 VkResult api::QueueBindSparse(VkQueue queue, uint32_t count, const VkBindSparseInfo* batches, VkFence fence) {
   return guarded([&] {
     for (uint32_t i = 0; i < count; ++i) {

@@ -1,12 +1,14 @@
 // The one queue. Submissions execute in order, one at a time, on one of three threads:
 //
-//   - the submitting thread, inside vkQueueSubmit, when nothing is pending and the work is estimated to be short (kInlineCost_ns): a thread
+//   - the submitting thread, inside vkQueueSubmit, when nothing is pending and the work is estimated to be short
+//   (kInlineCost_ns): a thread
 //     hop costs more than a small draw;
-//   - a thread that waits without a deadline (vkQueueWaitIdle, vkWaitForFences): it takes pending work instead of sleeping beside it;
+//   - a thread that waits without a deadline (vkQueueWaitIdle, vkWaitForFences): it takes pending work instead of sleeping beside
+//   it;
 //   - the queue's worker, started by the first submission that needs it.
 //
-// `running_` is the baton: who sets it (under the mutex) executes, so executor and thread pool need no lock of their own. Binary semaphores have
-// nothing to do here: their waits are satisfied by order.
+// `running_` is the baton: who sets it (under the mutex) executes, so executor and thread pool need no lock of their own. Binary
+// semaphores have nothing to do here: their waits are satisfied by order.
 #pragma once
 
 #include <condition_variable>
@@ -43,8 +45,8 @@ class Queue : public Dispatchable {
   void worker_main();
 
   Device& device_;
-  Executor executor_;           // used by the holder of the baton
-  std::mutex mutex_;            // guards all below
+  Executor executor_;  // used by the holder of the baton
+  std::mutex mutex_;   // guards all below
   std::condition_variable changed_;
   std::deque<Work, HostAllocator<Work>> pending_;
   bool running_ = false;

@@ -14,7 +14,8 @@ uint64_t draw_cost_ns(const CommandBuffer& cb, uint64_t vertices, uint64_t insta
 
 }  // namespace
 
-void api::CmdDraw(VkCommandBuffer handle, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex, uint32_t first_instance) {
+void api::CmdDraw(VkCommandBuffer handle, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex,
+                  uint32_t first_instance) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::Draw{vertex_count, instance_count, first_vertex, first_instance});
@@ -22,8 +23,8 @@ void api::CmdDraw(VkCommandBuffer handle, uint32_t vertex_count, uint32_t instan
   });
 }
 
-void api::CmdDrawIndexed(VkCommandBuffer handle, uint32_t index_count, uint32_t instance_count, uint32_t first_index, int32_t vertex_offset,
-                         uint32_t first_instance) {
+void api::CmdDrawIndexed(VkCommandBuffer handle, uint32_t index_count, uint32_t instance_count, uint32_t first_index,
+                         int32_t vertex_offset, uint32_t first_instance) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::DrawIndexed{index_count, instance_count, first_index, vertex_offset, first_instance});
@@ -39,7 +40,8 @@ void api::CmdDrawIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize 
   });
 }
 
-void api::CmdDrawIndexedIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, uint32_t draw_count, uint32_t stride) {
+void api::CmdDrawIndexedIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, uint32_t draw_count,
+                                 uint32_t stride) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::DrawIndexedIndirect{from(buffer), offset, draw_count, stride});
@@ -91,8 +93,8 @@ void api::CmdEndRenderPass(VkCommandBuffer handle) {
   });
 }
 
-void api::CmdClearAttachments(VkCommandBuffer handle, uint32_t attachment_count, const VkClearAttachment* attachments, uint32_t rect_count,
-                              const VkClearRect* rects) {
+void api::CmdClearAttachments(VkCommandBuffer handle, uint32_t attachment_count, const VkClearAttachment* attachments,
+                              uint32_t rect_count, const VkClearRect* rects) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::ClearAttachments{cb.copy(attachments, attachment_count), cb.copy(rects, rect_count)});

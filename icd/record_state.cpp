@@ -63,8 +63,9 @@ void api::CmdSetStencilReference(VkCommandBuffer handle, VkStencilFaceFlags face
   cb.record([&] { cb.append(cmd::SetStencilReference{faces, reference}); });
 }
 
-void api::CmdBindDescriptorSets(VkCommandBuffer handle, VkPipelineBindPoint bind_point, VkPipelineLayout layout, uint32_t first_set,
-                                uint32_t set_count, const VkDescriptorSet* sets, uint32_t offset_count, const uint32_t* offsets) {
+void api::CmdBindDescriptorSets(VkCommandBuffer handle, VkPipelineBindPoint bind_point, VkPipelineLayout layout,
+                                uint32_t first_set, uint32_t set_count, const VkDescriptorSet* sets, uint32_t offset_count,
+                                const uint32_t* offsets) {
   CommandBuffer& cb = *from(handle);
   if (first_set >= kMaxSets) return;
   cb.record([&] {

@@ -8,8 +8,9 @@
 namespace pineda::icd {
 
 // Commands execute one after another and memory is coherent: every dependency holds without a command.
-void api::CmdPipelineBarrier(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags, uint32_t, const VkMemoryBarrier*,
-                             uint32_t, const VkBufferMemoryBarrier*, uint32_t, const VkImageMemoryBarrier*) {}
+void api::CmdPipelineBarrier(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags, uint32_t,
+                             const VkMemoryBarrier*, uint32_t, const VkBufferMemoryBarrier*, uint32_t,
+                             const VkImageMemoryBarrier*) {}
 
 void api::CmdSetEvent(VkCommandBuffer handle, VkEvent event, VkPipelineStageFlags) {
   CommandBuffer& cb = *from(handle);

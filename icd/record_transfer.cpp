@@ -9,13 +9,16 @@ namespace {
 
 uint64_t texels(VkExtent3D extent, uint32_t layers) { return uint64_t(extent.width) * extent.height * extent.depth * layers; }
 
-uint64_t copy_cost_ns(uint64_t texel_count, const Image& image) { return texel_count * image.format.texel_bytes / cost::kBytesPer_ns; }
+uint64_t copy_cost_ns(uint64_t texel_count, const Image& image) {
+  return texel_count * image.format.texel_bytes / cost::kBytesPer_ns;
+}
 
 uint64_t blit_axis(int32_t from, int32_t to) { return uint64_t(from < to ? int64_t(to) - from : int64_t(from) - to); }
 
 }  // namespace
 
-void api::CmdCopyBuffer(VkCommandBuffer handle, VkBuffer source, VkBuffer destination, uint32_t count, const VkBufferCopy* regions) {
+void api::CmdCopyBuffer(VkCommandBuffer handle, VkBuffer source, VkBuffer destination, uint32_t count,
+                        const VkBufferCopy* regions) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::CopyBuffer{from(source), from(destination), cb.copy(regions, count)});
@@ -68,7 +71,8 @@ void api::CmdCopyImageToBuffer(VkCommandBuffer handle, VkImage source, VkImageLa
   });
 }
 
-void api::CmdUpdateBuffer(VkCommandBuffer handle, VkBuffer destination, VkDeviceSize offset, VkDeviceSize size, const void* data) {
+void api::CmdUpdateBuffer(VkCommandBuffer handle, VkBuffer destination, VkDeviceSize offset, VkDeviceSize size,
+                          const void* data) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] { cb.append(cmd::UpdateBuffer{from(destination), offset, cb.copy(static_cast<const uint8_t*>(data), size)}); });
 }
@@ -100,7 +104,8 @@ void api::CmdClearDepthStencilImage(VkCommandBuffer handle, VkImage image, VkIma
 }
 
 // The source of a resolve has more than one sample; vkCreateImage makes no such image.
-void api::CmdResolveImage(VkCommandBuffer handle, VkImage, VkImageLayout, VkImage, VkImageLayout, uint32_t, const VkImageResolve*) {
+void api::CmdResolveImage(VkCommandBuffer handle, VkImage, VkImageLayout, VkImage, VkImageLayout, uint32_t,
+                          const VkImageResolve*) {
   from(handle)->fail(not_supported("vkCmdResolveImage: multisampled images are not supported"));
 }
 

@@ -10,8 +10,10 @@ namespace pineda::icd {
 namespace {
 
 VkResult check_subpass(const VkRenderPassCreateInfo& info, const VkSubpassDescription& subpass) {
-  if (subpass.pipelineBindPoint != VK_PIPELINE_BIND_POINT_GRAPHICS) return not_supported("vkCreateRenderPass: bind point is not graphics");
-  if (subpass.colorAttachmentCount > kMaxColorAttachments) return not_supported("vkCreateRenderPass: more than 8 colour attachments");
+  if (subpass.pipelineBindPoint != VK_PIPELINE_BIND_POINT_GRAPHICS)
+    return not_supported("vkCreateRenderPass: bind point is not graphics");
+  if (subpass.colorAttachmentCount > kMaxColorAttachments)
+    return not_supported("vkCreateRenderPass: more than 8 colour attachments");
   const auto known = [&](uint32_t index) { return index == VK_ATTACHMENT_UNUSED || index < info.attachmentCount; };
   for (uint32_t i = 0; i < subpass.inputAttachmentCount; ++i) {
     if (subpass.pInputAttachments[i].attachment != VK_ATTACHMENT_UNUSED) {
@@ -19,7 +21,8 @@ VkResult check_subpass(const VkRenderPassCreateInfo& info, const VkSubpassDescri
     }
   }
   for (uint32_t i = 0; i < subpass.colorAttachmentCount; ++i) {
-    if (!known(subpass.pColorAttachments[i].attachment)) return not_supported("vkCreateRenderPass: colour attachment index out of range");
+    if (!known(subpass.pColorAttachments[i].attachment))
+      return not_supported("vkCreateRenderPass: colour attachment index out of range");
     if (subpass.pResolveAttachments && subpass.pResolveAttachments[i].attachment != VK_ATTACHMENT_UNUSED) {
       return not_supported("vkCreateRenderPass: resolve attachments are not supported (images have one sample)");
     }

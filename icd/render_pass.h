@@ -8,8 +8,8 @@
 
 namespace pineda::icd {
 
-// An attachment as one subpass uses it. The first use in the render pass performs the load operation, the last use the store operation;
-// between uses contents are kept in memory.
+// An attachment as one subpass uses it. The first use in the render pass performs the load operation, the last use the store
+// operation; between uses contents are kept in memory.
 struct SubpassAttachment {
   uint32_t index = VK_ATTACHMENT_UNUSED;  // into the framebuffer's views and the clear values
   VkFormat format = VK_FORMAT_UNDEFINED;

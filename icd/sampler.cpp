@@ -44,7 +44,8 @@ compiler::TextureState sampler_half(const VkSamplerCreateInfo& info) {
 
 VkResult Sampler::check(Device&, const VkSamplerCreateInfo& info) {
   if (info.anisotropyEnable) return not_supported("vkCreateSampler: samplerAnisotropy is not supported");
-  if (info.magFilter > VK_FILTER_LINEAR || info.minFilter > VK_FILTER_LINEAR) return not_supported("vkCreateSampler: unknown filter");
+  if (info.magFilter > VK_FILTER_LINEAR || info.minFilter > VK_FILTER_LINEAR)
+    return not_supported("vkCreateSampler: unknown filter");
   for (const VkSamplerAddressMode mode : {info.addressModeU, info.addressModeV, info.addressModeW}) {
     if (mode > VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER) return not_supported("vkCreateSampler: unknown address mode");
   }
@@ -63,7 +64,8 @@ Sampler::Sampler(const Allocator& from, Device& device, const VkSamplerCreateInf
   state_id_ = device.texture_states.intern_sampler(sampler_half(info));
 }
 
-VkResult api::CreateSampler(VkDevice device, const VkSamplerCreateInfo* info, const VkAllocationCallbacks* callbacks, VkSampler* out) {
+VkResult api::CreateSampler(VkDevice device, const VkSamplerCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                            VkSampler* out) {
   return create_device_object<Sampler>(device, info, callbacks, out);
 }
 

@@ -5,7 +5,8 @@
 
 namespace pineda::icd {
 
-VkResult api::CreateSemaphore(VkDevice device, const VkSemaphoreCreateInfo* info, const VkAllocationCallbacks* callbacks, VkSemaphore* out) {
+VkResult api::CreateSemaphore(VkDevice device, const VkSemaphoreCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                              VkSemaphore* out) {
   return create_device_object<Semaphore>(device, info, callbacks, out);
 }
 

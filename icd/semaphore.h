@@ -1,5 +1,5 @@
-// VkSemaphore. The device has one queue that executes in order, and a binary semaphore may only be waited for after the operation that signals it
-// has been submitted: every wait is satisfied by order, so there is no state.
+// VkSemaphore. The device has one queue that executes in order, and a binary semaphore may only be waited for after the operation
+// that signals it has been submitted: every wait is satisfied by order, so there is no state.
 #pragma once
 
 #include "icd/object.h"

@@ -1,5 +1,5 @@
 // VkShaderModule: a copy of the words. Nothing is checked here, because what a module means depends on the entry point and the
-// specialization constants; pipelines parse it, and keep a copy of their own, so that the module may be destroyed.
+// specialization constants; pipelines parse it.
 #pragma once
 
 #include <span>

@@ -8,10 +8,14 @@ namespace {
 
 const char* stage_name(VkShaderStageFlagBits stage) {
   switch (stage) {
-    case VK_SHADER_STAGE_VERTEX_BIT: return "vertex";
-    case VK_SHADER_STAGE_FRAGMENT_BIT: return "fragment";
-    case VK_SHADER_STAGE_COMPUTE_BIT: return "compute";
-    default: return "unsupported";
+    case VK_SHADER_STAGE_VERTEX_BIT:
+      return "vertex";
+    case VK_SHADER_STAGE_FRAGMENT_BIT:
+      return "fragment";
+    case VK_SHADER_STAGE_COMPUTE_BIT:
+      return "compute";
+    default:
+      return "unsupported";
   }
 }
 
@@ -19,7 +23,8 @@ std::vector<spirv::SpecializationConstant> specialization(const VkSpecialization
   std::vector<spirv::SpecializationConstant> constants;
   for (uint32_t i = 0; info && i < info->mapEntryCount; ++i) {
     const VkSpecializationMapEntry& entry = info->pMapEntries[i];
-    if (entry.offset > info->dataSize || entry.size > info->dataSize - entry.offset) continue;  // invalid usage: keeps its default
+    if (entry.offset > info->dataSize || entry.size > info->dataSize - entry.offset)
+      continue;  // invalid usage: keeps its default
     const auto* bytes = static_cast<const uint8_t*>(info->pData) + entry.offset;
     constants.push_back({entry.constantID, {bytes, bytes + entry.size}});
   }
@@ -28,18 +33,18 @@ std::vector<spirv::SpecializationConstant> specialization(const VkSpecialization
 
 }  // namespace
 
-VkResult parse_stage(const Device& device, const VkPipelineShaderStageCreateInfo& info, ShaderStage* out) {
-  const auto words = from(info.module)->words();
-  out->words.assign(words.begin(), words.end());
+VkResult parse_stage(const Device& device, const VkPipelineShaderStageCreateInfo& info, spirv::ModulePtr* out) {
   const auto constants = specialization(info.pSpecializationInfo);
-  auto module = spirv::parse({.words = out->words, .entry_point = info.pName, .stage = info.stage, .specialization = constants});
+  auto module = spirv::parse(
+      {.words = from(info.module)->words(), .entry_point = info.pName, .stage = info.stage, .specialization = constants});
   if (!module) {
     const std::string name = device.name_of(reinterpret_cast<uint64_t>(info.module));
-    report(Severity::kError, std::string(stage_name(info.stage)) + " shader " + (name.empty() ? "" : "'" + name + "' ") + "(entry point '" +
-                                 info.pName + "'), SPIR-V word " + std::to_string(module.error().word) + ": " + module.error().text);
+    report(Severity::kError, std::string(stage_name(info.stage)) + " shader " + (name.empty() ? "" : "'" + name + "' ") +
+                                 "(entry point '" + info.pName + "'), SPIR-V word " + std::to_string(module.error().word) + ": " +
+                                 module.error().text);
     return kShaderRejected;
   }
-  out->module = std::move(*module);
+  *out = std::move(*module);
   return VK_SUCCESS;
 }
 

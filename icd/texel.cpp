@@ -18,16 +18,21 @@ float decode_float(const FormatInfo& format, uint32_t component, uint32_t raw) {
     case Numeric::kSrgb:
       if (component < 3) return srgb_decode_table()[raw];
       [[fallthrough]];
-    case Numeric::kUnorm: return static_cast<float>(raw) / static_cast<float>((uint64_t{1} << bits) - 1);
+    case Numeric::kUnorm:
+      return static_cast<float>(raw) / static_cast<float>((uint64_t{1} << bits) - 1);
     case Numeric::kSnorm: {
       const float value = static_cast<float>(sign_extend(raw, bits)) / static_cast<float>((1u << (bits - 1)) - 1);
       return value < -1.0f ? -1.0f : value;
     }
-    case Numeric::kUscaled: return static_cast<float>(raw);
-    case Numeric::kSscaled: return static_cast<float>(sign_extend(raw, bits));
-    case Numeric::kSfloat: return bits == 16 ? half_to_float(static_cast<uint16_t>(raw)) : std::bit_cast<float>(raw);
+    case Numeric::kUscaled:
+      return static_cast<float>(raw);
+    case Numeric::kSscaled:
+      return static_cast<float>(sign_extend(raw, bits));
+    case Numeric::kSfloat:
+      return bits == 16 ? half_to_float(static_cast<uint16_t>(raw)) : std::bit_cast<float>(raw);
     case Numeric::kUint:
-    case Numeric::kSint: break;
+    case Numeric::kSint:
+      break;
   }
   return 0;
 }
@@ -46,7 +51,8 @@ VkClearColorValue unpack_texel(const FormatInfo& format, const uint8_t* texel) {
   for (uint32_t c = 0; c < 4; ++c) {
     const ComponentBits where = format.component[c];
     if (where.bits == 0) continue;
-    const auto raw = static_cast<uint32_t>(words[where.first_bit / 64] >> where.first_bit % 64 & ((uint64_t{1} << where.bits) - 1));
+    const auto raw =
+        static_cast<uint32_t>(words[where.first_bit / 64] >> where.first_bit % 64 & ((uint64_t{1} << where.bits) - 1));
     if (format.numeric == Numeric::kSint) {
       out.int32[c] = sign_extend(raw, where.bits);
     } else if (format.numeric == Numeric::kUint) {

@@ -1,5 +1,5 @@
-// Numbers for what selects code when a shader samples: the view's half and the sampler's half of compiler::TextureState are interned, so that a
-// descriptor carries two small ids, and finding a pipeline's variant is a comparison of integers.
+// Numbers for what selects code when a shader samples: the view's half and the sampler's half of compiler::TextureState are
+// interned, so that a descriptor carries two small ids, and finding a pipeline's variant is a comparison of integers.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,14 @@ struct TextureIds {
 
 class TextureStates {
  public:
-  // Ids are never reused; states are few (formats x swizzles, filters x address modes), whatever the number of views and samplers. Thread-safe.
+  // Ids are never reused; states are few (formats x swizzles, filters x address modes), whatever the number of views and
+  // samplers. Thread-safe.
   uint32_t intern_view(const compiler::TextureState& view_half);
   uint32_t intern_sampler(const compiler::TextureState& sampler_half);
   compiler::TextureState combine(uint32_t view, uint32_t sampler) const;
 
  private:
-  mutable std::mutex mutex_;  // guards both
+  mutable std::mutex mutex_;                              // guards both
   std::vector<compiler::TextureState> views_, samplers_;  // state of id i at i - 1
 };
 

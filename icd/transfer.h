@@ -27,6 +27,7 @@ std::optional<ImageRegion> image_region(const Image& image, const VkImageSubreso
                                         VkExtent3D extent);
 
 // Fills rect of an attachment's level and layer.
-void fill_attachment(raster::ThreadPool& pool, const raster::Attachment& attachment, const VkRect2D& rect, const VkClearValue& value);
+void fill_attachment(raster::ThreadPool& pool, const raster::Attachment& attachment, const VkRect2D& rect,
+                     const VkClearValue& value);
 
 }  // namespace pineda::icd

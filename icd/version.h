@@ -9,12 +9,13 @@ inline constexpr uint32_t kApiVersion = VK_MAKE_API_VERSION(0, 1, 0, VK_HEADER_V
 inline constexpr uint32_t kDriverVersion = VK_MAKE_API_VERSION(0, 0, 1, 0);
 inline constexpr const char* kDriverVersionText = "0.1.0";
 
-// A vendor without a PCI id takes a Khronos vendor id (0x10000 and up) by registration. Pineda has none yet; 0 is assigned to nobody, so no
-// client mistakes the driver for one it has workarounds for.
+// A vendor without a PCI id takes a Khronos vendor id (0x10000 and up) by registration. Pineda has none yet; 0 is assigned to
+// nobody, so no client mistakes the driver for one it has workarounds for.
 inline constexpr uint32_t kVendorId = 0;
 inline constexpr uint32_t kDeviceId = 1;
 
 // Changes whenever the content of a pipeline cache would.
-inline constexpr uint8_t kPipelineCacheUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'c', 'a', 'c', 'h', 'e', 0, 0, 1, 0};
+inline constexpr uint8_t kPipelineCacheUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'c',
+                                                             'a', 'c', 'h', 'e', 0,   0,   1,   0};
 
 }  // namespace pineda::icd

@@ -44,7 +44,8 @@ class CountingAllocator {
 // Creates one of everything with the callbacks and destroys it. Stops at the first failure, as an application would.
 class Scenario {
  public:
-  explicit Scenario(const VkAllocationCallbacks* callbacks) : c_(callbacks, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME}), callbacks_(callbacks) {}
+  explicit Scenario(const VkAllocationCallbacks* callbacks)
+      : c_(callbacks, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME}), callbacks_(callbacks) {}
 
   VkResult run() {
     if (c_.result != VK_SUCCESS) return c_.result;
@@ -66,10 +67,10 @@ class Scenario {
     }
     return result;
   }
-#define MAKE(name, info, out)                                                                       \
-  do {                                                                                              \
-    const VkResult made = make(VK(c_, Create##name), VK(c_, Destroy##name), info, out);             \
-    if (made != VK_SUCCESS) return made;                                                            \
+#define MAKE(name, info, out)                                                           \
+  do {                                                                                  \
+    const VkResult made = make(VK(c_, Create##name), VK(c_, Destroy##name), info, out); \
+    if (made != VK_SUCCESS) return made;                                                \
   } while (false)
 
   VkResult sync() {
@@ -145,9 +146,15 @@ class Scenario {
   }
 
   VkResult passes() {
-    const VkAttachmentDescription attachment{0, VK_FORMAT_R8G8B8A8_UNORM, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                             VK_ATTACHMENT_STORE_OP_STORE, VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-                                             VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
+    const VkAttachmentDescription attachment{0,
+                                             VK_FORMAT_R8G8B8A8_UNORM,
+                                             VK_SAMPLE_COUNT_1_BIT,
+                                             VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                             VK_ATTACHMENT_STORE_OP_STORE,
+                                             VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                             VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                             VK_IMAGE_LAYOUT_UNDEFINED,
+                                             VK_IMAGE_LAYOUT_GENERAL};
     const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_GENERAL};
     VkSubpassDescription subpass{};
     subpass.colorAttachmentCount = 1;
@@ -158,7 +165,8 @@ class Scenario {
     info.pSubpasses = &subpass;
     VkRenderPass render_pass;
     MAKE(RenderPass, info, &render_pass);
-    const VkFramebufferCreateInfo framebuffer_info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO, nullptr, 0, render_pass, 1, &view_, 16, 16, 1};
+    const VkFramebufferCreateInfo framebuffer_info{
+        VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO, nullptr, 0, render_pass, 1, &view_, 16, 16, 1};
     VkFramebuffer framebuffer;
     MAKE(Framebuffer, framebuffer_info, &framebuffer);
     return VK_SUCCESS;
@@ -177,8 +185,8 @@ class Scenario {
 
   // Enough commands for several arena blocks; the failure shows at vkEndCommandBuffer.
   VkResult commands() {
-    const VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, c_.pool, VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                           2};
+    const VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, c_.pool,
+                                           VK_COMMAND_BUFFER_LEVEL_PRIMARY, 2};
     VkCommandBuffer command_buffers[2];
     VkResult result = VK(c_, AllocateCommandBuffers)(c_.device, &info, command_buffers);
     if (result != VK_SUCCESS) return result;

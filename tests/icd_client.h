@@ -1,5 +1,5 @@
-// A small Vulkan client for the driver's tests. Commands come straight from the driver's vk_icdGetInstanceProcAddr, as a loader would ask for
-// them: so allocation callbacks see the driver's allocations only, and every command can be called.
+// A small Vulkan client for the driver's tests. Commands come straight from the driver's vk_icdGetInstanceProcAddr, as a loader
+// would ask for them: so allocation callbacks see the driver's allocations only, and every command can be called.
 #pragma once
 
 #include <dlfcn.h>

@@ -16,9 +16,9 @@ struct DescriptorFixture {
     return out;
   }
   VkDescriptorPool pool(uint32_t sets, std::initializer_list<VkDescriptorPoolSize> sizes) {
-    const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr,
-                                          VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT, sets, static_cast<uint32_t>(sizes.size()),
-                                          sizes.begin()};
+    const VkDescriptorPoolCreateInfo info{
+        VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr,      VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT, sets,
+        static_cast<uint32_t>(sizes.size()),           sizes.begin()};
     VkDescriptorPool out = VK_NULL_HANDLE;
     EXPECT_EQ(VK(client, CreateDescriptorPool)(client.device, &info, nullptr, &out), VK_SUCCESS);
     client.defer([this, out] { VK(client, DestroyDescriptorPool)(client.device, out, nullptr); });

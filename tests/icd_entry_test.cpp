@@ -117,8 +117,8 @@ TEST(IcdEntry, FeaturesThatAreNotAdvertisedCannotBeEnabled) {
 TEST(IcdEntry, EnumerationReportsIncomplete) {
   Client client;
   uint32_t count = 0;
-  const auto enumerate =
-      reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(driver_proc(nullptr, "vkEnumerateInstanceExtensionProperties"));
+  const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
+      driver_proc(nullptr, "vkEnumerateInstanceExtensionProperties"));
   EXPECT_EQ(enumerate(nullptr, &count, nullptr), VK_SUCCESS);
   ASSERT_GE(count, 2u);
   count = 1;

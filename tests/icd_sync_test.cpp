@@ -55,7 +55,8 @@ TEST(IcdEvent, HostReleasesASubmission) {
   const auto buffer = client.buffer(4);
   const VkCommandBuffer first = client.command_buffer(), second = client.command_buffer();
   client.begin(first);
-  VK(client, CmdWaitEvents)(first, 1, &event, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0, nullptr, 0, nullptr);
+  VK(client, CmdWaitEvents)
+  (first, 1, &event, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0, nullptr, 0, nullptr);
   VK(client, CmdFillBuffer)(first, buffer.handle, 0, 4, 1);
   VK(client, CmdResetEvent)(first, event, VK_PIPELINE_STAGE_TRANSFER_BIT);
   EXPECT_EQ(VK(client, EndCommandBuffer)(first), VK_SUCCESS);
@@ -119,8 +120,8 @@ TEST(IcdCommandBuffer, SecondaryAndSimultaneousUse) {
   const auto buffer = client.buffer(16);
   const VkCommandBuffer secondary = client.command_buffer(VK_COMMAND_BUFFER_LEVEL_SECONDARY);
   const VkCommandBufferInheritanceInfo inheritance{VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO};
-  const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_SIMULTANEOUS_USE_BIT,
-                                      &inheritance};
+  const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr,
+                                      VK_COMMAND_BUFFER_USAGE_SIMULTANEOUS_USE_BIT, &inheritance};
   EXPECT_EQ(VK(client, BeginCommandBuffer)(secondary, &info), VK_SUCCESS);
   const VkBufferCopy shift{0, 4, 4};
   VK(client, CmdCopyBuffer)(secondary, buffer.handle, buffer.handle, 1, &shift);

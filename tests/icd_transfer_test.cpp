@@ -64,7 +64,7 @@ TEST(IcdTransfer, BufferCopyFillAndUpdate) {
 // Buffer -> image -> image -> buffer, with row lengths, offsets, levels and layers.
 TEST(IcdTransfer, ImagesKeepTheirTexels) {
   Client client;
-  constexpr VkFormat kFormats[] = {VK_FORMAT_R8_UNORM,           VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R8G8B8A8_UNORM,
+  constexpr VkFormat kFormats[] = {VK_FORMAT_R8_UNORM, VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R8G8B8A8_UNORM,
                                    VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
   constexpr uint32_t kTexelBytes[] = {1, 2, 4, 8, 16};
   for (size_t f = 0; f < std::size(kFormats); ++f) {
@@ -77,7 +77,8 @@ TEST(IcdTransfer, ImagesKeepTheirTexels) {
     client.run([&](VkCommandBuffer cb) {
       VkBufferImageCopy upload{0, kRowLength, kImageHeight, color_layers(1, 0, kLayers), {5, 3, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyBufferToImage)(cb, in.handle, first, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
-      const VkImageCopy copy{color_layers(1, 0, kLayers), {5, 3, 0}, color_layers(0, 1, kLayers), {20, 30, 0}, {kWidth, kHeight, 1}};
+      const VkImageCopy copy{
+          color_layers(1, 0, kLayers), {5, 3, 0}, color_layers(0, 1, kLayers), {20, 30, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyImage)(cb, first, VK_IMAGE_LAYOUT_GENERAL, second, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
       VkBufferImageCopy download{0, kRowLength, kImageHeight, color_layers(0, 1, kLayers), {20, 30, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyImageToBuffer)(cb, second, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
@@ -171,8 +172,10 @@ struct BlitFixture {
     client.run([&](VkCommandBuffer cb) {
       const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, from}, download{0, 0, 0, color_layers(), {}, to};
       VK(client, CmdCopyBufferToImage)(cb, in.handle, source, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
-      VkImageBlit region{color_layers(), {{}, {int32_t(from.width), int32_t(from.height), 1}},
-                         color_layers(), {{}, {int32_t(to.width), int32_t(to.height), 1}}};
+      VkImageBlit region{color_layers(),
+                         {{}, {int32_t(from.width), int32_t(from.height), 1}},
+                         color_layers(),
+                         {{}, {int32_t(to.width), int32_t(to.height), 1}}};
       if (mirror) std::swap(region.dstOffsets[0].x, region.dstOffsets[1].x);
       VK(client, CmdBlitImage)(cb, source, VK_IMAGE_LAYOUT_GENERAL, destination, VK_IMAGE_LAYOUT_GENERAL, 1, &region, filter);
       VK(client, CmdCopyImageToBuffer)(cb, destination, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
@@ -188,7 +191,8 @@ TEST(IcdBlit, NearestScalesAndMirrors) {
     for (int y = 0; y < 4; ++y) {
       for (int x = 0; x < 24; ++x) {
         const int position = mirror ? 23 - x : x;
-        const int sx = static_cast<int>(std::floor((position + 0.5) * 16 / 24)), sy = static_cast<int>(std::floor((y + 0.5) * 8 / 4));
+        const int sx = static_cast<int>(std::floor((position + 0.5) * 16 / 24)),
+                  sy = static_cast<int>(std::floor((y + 0.5) * 8 / 4));
         EXPECT_EQ(fixture.out.as<uint32_t>()[y * 24 + x], fixture.in.as<uint32_t>()[sy * 16 + sx]) << x << ' ' << y;
       }
     }
@@ -222,22 +226,27 @@ TEST(IcdBlit, ConvertsBetweenFormats) {
   }
 }
 
-// Every format that says it can be blitted goes through float or integer and comes back as it was. Floats: only patterns that are numbers.
+// Every format that says it can be blitted goes through float or integer and comes back as it was. Floats: only patterns that are
+// numbers.
 TEST(IcdBlit, EveryFormatSurvivesTheRoundTrip) {
   BlitFixture fixture;
   struct Pair {
     VkFormat format, through;
   };
-  constexpr Pair kPairs[] = {{VK_FORMAT_R8_UNORM, VK_FORMAT_R32_SFLOAT},        {VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R16G16B16A16_SFLOAT},
-                             {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R32G32B32A32_SFLOAT}, {VK_FORMAT_R8G8B8A8_UINT, VK_FORMAT_R16G16B16A16_UINT},
-                             {VK_FORMAT_R8G8_SINT, VK_FORMAT_R32G32_SINT},       {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_R32G32B32A32_SFLOAT}};
+  constexpr Pair kPairs[] = {{VK_FORMAT_R8_UNORM, VK_FORMAT_R32_SFLOAT},
+                             {VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R16G16B16A16_SFLOAT},
+                             {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R32G32B32A32_SFLOAT},
+                             {VK_FORMAT_R8G8B8A8_UINT, VK_FORMAT_R16G16B16A16_UINT},
+                             {VK_FORMAT_R8G8_SINT, VK_FORMAT_R32G32_SINT},
+                             {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_R32G32B32A32_SFLOAT}};
   for (const Pair& pair : kPairs) {
     fill_random(fixture.in.data, 16 * 16 * 4, kSeed + pair.format);
     VkFormatProperties properties;
     VK(fixture.client, GetPhysicalDeviceFormatProperties)(fixture.client.physical, pair.format, &properties);
     EXPECT_TRUE(properties.optimalTilingFeatures & VK_FORMAT_FEATURE_BLIT_SRC_BIT);
     Client& client = fixture.client;
-    const VkImage a = client.image(pair.format, {16, 8, 1}), b = client.image(pair.through, {16, 8, 1}), c = client.image(pair.format, {16, 8, 1});
+    const VkImage a = client.image(pair.format, {16, 8, 1}), b = client.image(pair.through, {16, 8, 1}),
+                  c = client.image(pair.format, {16, 8, 1});
     std::memset(fixture.out.data, 0, 16 * 8 * 4);
     client.run([&](VkCommandBuffer cb) {
       const VkBufferImageCopy whole{0, 0, 0, color_layers(), {}, {16, 8, 1}};
@@ -249,7 +258,9 @@ TEST(IcdBlit, EveryFormatSurvivesTheRoundTrip) {
     });
     VkMemoryRequirements requirements;
     VK(client, GetImageMemoryRequirements)(client.device, a, &requirements);
-    const size_t texel_bytes = pair.format == VK_FORMAT_R8_UNORM ? 1 : pair.format == VK_FORMAT_R5G6B5_UNORM_PACK16 || pair.format == VK_FORMAT_R8G8_SINT ? 2 : 4;
+    const size_t texel_bytes = pair.format == VK_FORMAT_R8_UNORM                                                    ? 1
+                               : pair.format == VK_FORMAT_R5G6B5_UNORM_PACK16 || pair.format == VK_FORMAT_R8G8_SINT ? 2
+                                                                                                                    : 4;
     EXPECT_EQ(std::memcmp(fixture.in.data, fixture.out.data, 16 * 8 * texel_bytes), 0) << "format " << pair.format;
   }
 }

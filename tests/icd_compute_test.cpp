@@ -1,0 +1,158 @@
+// Dispatches, and shaders that must be refused.
+#include <random>
+#include <string>
+
+#include "icd_pipeline_client.h"
+#include "icd_shaders.h"
+
+namespace pineda::test {
+namespace {
+
+constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+constexpr VkDescriptorType kDynamic = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC;
+
+// b[i] = a[i] * scale + i + bias over kScaleCompute.
+struct ComputeFixture {
+  PipelineClient client;
+  VkDescriptorSetLayout set_layout;
+  VkPipelineLayout layout;
+  VkDescriptorSet set;
+  Client::Buffer in = client.buffer(1024), out = client.buffer(1024);
+
+  explicit ComputeFixture(VkDescriptorType out_type = kStorage)
+      : set_layout(client.set_layout(
+            {{0, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}, {1, out_type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}})),
+        layout(client.pipeline_layout(set_layout, 4)),
+        set(client.descriptor_set(set_layout)) {
+    for (uint32_t i = 0; i < 256; ++i) in.as<uint32_t>()[i] = i * 2654435761u;
+    client.write_buffer(set, 0, kStorage, in.handle);
+    client.write_buffer(set, 1, out_type, out.handle, 512);
+  }
+
+  VkPipeline pipeline(uint32_t bias) {
+    static constexpr VkSpecializationMapEntry kEntry{7, 0, 4};
+    const VkSpecializationInfo specialization{1, &kEntry, 4, &bias};
+    VkPipeline out_pipeline = VK_NULL_HANDLE;
+    EXPECT_EQ(client.compute_pipeline(layout, client.module(kScaleCompute), &specialization, &out_pipeline), VK_SUCCESS);
+    return out_pipeline;
+  }
+  void bind(VkCommandBuffer cb, VkPipeline pipeline, uint32_t scale, std::vector<uint32_t> offsets = {}) {
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(client, CmdBindDescriptorSets)
+    (cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, static_cast<uint32_t>(offsets.size()), offsets.data());
+    VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 0, 4, &scale);
+  }
+  void expect(uint32_t first, uint32_t count, uint32_t scale, uint32_t bias, uint32_t out_offset = 0) {
+    for (uint32_t i = first; i < first + count; ++i) {
+      ASSERT_EQ(out.as<uint32_t>()[i + out_offset], in.as<uint32_t>()[i] * scale + i + bias) << i;
+    }
+  }
+};
+
+TEST(IcdCompute, DispatchAndSpecialization) {
+  ComputeFixture f;
+  const VkPipeline nine = f.pipeline(9), one = f.pipeline(1);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.bind(cb, nine, 3);
+    VK(f.client, CmdDispatch)(cb, 4, 1, 1);
+  });
+  f.expect(0, 128, 3, 9);
+  EXPECT_EQ(f.out.as<uint32_t>()[128], 0u);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.bind(cb, one, 5);
+    VK(f.client, CmdDispatch)(cb, 2, 1, 1);
+    VK(f.client, CmdDispatch)(cb, 0, 1, 1);
+  });
+  f.expect(0, 64, 5, 1);
+  f.expect(64, 64, 3, 9);
+}
+
+// The range of the descriptor is 512 bytes: what lies behind it stays, although the buffer goes on.
+TEST(IcdCompute, StoresOutsideTheRangeAreDropped) {
+  ComputeFixture f;
+  const VkPipeline pipeline = f.pipeline(0);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.bind(cb, pipeline, 1);
+    VK(f.client, CmdDispatch)(cb, 8, 1, 1);
+  });
+  f.expect(0, 128, 1, 0);
+  for (int i = 128; i < 256; ++i) EXPECT_EQ(f.out.as<uint32_t>()[i], 0u);
+}
+
+TEST(IcdCompute, DynamicOffsetAndIndirect) {
+  ComputeFixture f(kDynamic);
+  const VkPipeline pipeline = f.pipeline(2);
+  const auto indirect = f.client.buffer(32);
+  const uint32_t counts[3] = {1, 1, 1};
+  std::memcpy(indirect.data + 16, counts, sizeof(counts));
+  f.client.run([&](VkCommandBuffer cb) {
+    f.bind(cb, pipeline, 7, {256});
+    VK(f.client, CmdDispatchIndirect)(cb, indirect.handle, 16);
+    VK(f.client, CmdDispatchIndirect)(cb, indirect.handle, 28);  // not inside the buffer: dropped
+  });
+  f.expect(0, 32, 7, 2, 64);
+  EXPECT_EQ(f.out.as<uint32_t>()[0], 0u);
+  EXPECT_EQ(f.out.as<uint32_t>()[96], 0u);
+}
+
+struct Messages {
+  std::vector<std::string> texts;
+  static VkBool32 receive(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* self) {
+    static_cast<Messages*>(self)->texts.push_back(data->pMessage);
+    return VK_FALSE;
+  }
+};
+
+TEST(IcdCompute, InvalidShadersAreErrorsWithWords) {
+  Messages messages;
+  PipelineClient client(nullptr, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME});
+  VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
+  info.pfnUserCallback = Messages::receive;
+  info.pUserData = &messages;
+  VkDebugUtilsMessengerEXT messenger;
+  ASSERT_EQ(VK(client, CreateDebugUtilsMessengerEXT)(client.instance, &info, nullptr, &messenger), VK_SUCCESS);
+  const VkPipelineLayout layout = client.pipeline_layout(std::nullopt, 4);
+  const std::span whole(kScaleCompute);
+  std::vector<uint32_t> no_magic(whole.begin(), whole.end()), wrong_stage(std::begin(kColorVertex), std::end(kColorVertex));
+  no_magic[0] = 0;
+  for (const std::span<const uint32_t> words : {std::span<const uint32_t>(no_magic), std::span<const uint32_t>(wrong_stage),
+                                                whole.first(5), whole.first(whole.size() / 2), whole.first(whole.size() - 3)}) {
+    messages.texts.clear();
+    const VkShaderModule module = client.module(words);
+    const VkDebugUtilsObjectNameInfoEXT name{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT, nullptr,
+                                             VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<uint64_t>(module), "broken"};
+    VK(client, SetDebugUtilsObjectNameEXT)(client.device, &name);
+    VkPipeline pipeline;
+    EXPECT_EQ(client.compute_pipeline(layout, module, nullptr, &pipeline), VK_ERROR_UNKNOWN);
+    EXPECT_EQ(pipeline, VkPipeline(VK_NULL_HANDLE));
+    ASSERT_EQ(messages.texts.size(), 1u);
+    EXPECT_NE(messages.texts[0].find("'broken'"), std::string::npos) << messages.texts[0];
+  }
+  VK(client, DestroyDebugUtilsMessengerEXT)(client.instance, messenger, nullptr);
+  messages.texts.clear();
+  VkPipeline pipeline;
+  EXPECT_EQ(client.compute_pipeline(layout, client.module(no_magic), nullptr, &pipeline), VK_ERROR_UNKNOWN);
+  EXPECT_TRUE(messages.texts.empty()) << "the messenger is gone";
+}
+
+// Words of a valid module with one replaced: any result is fine, a crash is not.
+TEST(IcdCompute, DamagedModulesNeverCrash) {
+  constexpr uint32_t kSeed = 7;
+  PipelineClient client;
+  const auto set_layout =
+      client.set_layout({{0, kStorage, 1, VK_SHADER_STAGE_ALL, nullptr}, {1, kStorage, 1, VK_SHADER_STAGE_ALL, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(set_layout, 4);
+  std::mt19937 random(kSeed);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<uint32_t> words(std::begin(kScaleCompute), std::end(kScaleCompute));
+    words[5 + random() % (words.size() - 5)] = random() % 2 ? random() : random() % 64;
+    VkPipeline pipeline;
+    client.compute_pipeline(layout, client.module(words), nullptr, &pipeline);
+  }
+}
+
+}  // namespace
+}  // namespace pineda::test

@@ -1,0 +1,282 @@
+// Render passes and draws: load and store operations, clears, subpasses, vertex and index buffers, indirect draws, texture
+// variants.
+#include "icd_pipeline_client.h"
+#include "icd_shaders.h"
+
+namespace pineda::test {
+namespace {
+
+constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+constexpr uint32_t kSize = 40;
+constexpr uint32_t kRed = 0xFF0000FF, kGreen = 0xFF00FF00, kBlue = 0xFFFF0000, kBlack = 0xFF000000;
+constexpr VkClearValue kClearBlack{{{0, 0, 0, 1}}};
+
+struct DrawFixture {
+  PipelineClient client;
+  VkImage image = target();
+  Client::Buffer pixels = client.buffer(kSize * kSize * 4);
+  // Two triangles: left half and right half of the viewport, as a list. uv runs from 0 to 1.
+  Client::Buffer vertices = client.buffer(12 * 16);
+  VkRect2D whole{{0, 0}, {kSize, kSize}};
+
+  DrawFixture() {
+    const auto quad = [&](int index, float x0, float x1) {
+      const float corners[6][2] = {{x0, -1}, {x1, -1}, {x0, 1}, {x0, 1}, {x1, -1}, {x1, 1}};
+      for (int i = 0; i < 6; ++i) {
+        float* v = vertices.as<float>() + (index * 6 + i) * 4;
+        v[0] = corners[i][0];
+        v[1] = corners[i][1];
+        v[2] = (corners[i][0] + 1) / 2;
+        v[3] = (corners[i][1] + 1) / 2;
+      }
+    };
+    quad(0, -1, 0);
+    quad(1, 0, 1);
+  }
+
+  VkImage target(VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VkFormat format = kFormat) {
+    return client.image(format, {kSize, kSize, 1}, 1, 1, usage);
+  }
+  void bind(VkCommandBuffer cb, VkPipeline pipeline) {
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    const VkViewport viewport{0, 0, kSize, kSize, 0, 1};
+    VK(client, CmdSetViewport)(cb, 0, 1, &viewport);
+    VK(client, CmdSetScissor)(cb, 0, 1, &whole);
+    const VkDeviceSize zero = 0;
+    VK(client, CmdBindVertexBuffers)(cb, 0, 1, &vertices.handle, &zero);
+  }
+  void color(VkCommandBuffer cb, VkPipelineLayout layout, std::array<float, 4> value) {
+    VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 0, 16, value.data());
+  }
+  void download(VkCommandBuffer cb, VkImage from) {
+    const VkBufferImageCopy region{0, 0, 0, color_layers(), {}, {kSize, kSize, 1}};
+    VK(client, CmdCopyImageToBuffer)(cb, from, VK_IMAGE_LAYOUT_GENERAL, pixels.handle, 1, &region);
+  }
+  uint32_t at(uint32_t x, uint32_t y) const { return pixels.as<uint32_t>()[y * kSize + x]; }
+};
+
+TEST(IcdRenderPass, ClearLoadAndRenderArea) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}},
+                                       kLoad[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_LOAD}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass clear = f.client.render_pass(kClear, kFirst), load = f.client.render_pass(kLoad, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(clear, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, clear, framebuffer, f.whole, {{{{0, 1, 0, 1}}}});
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.client.begin_pass(cb, clear, framebuffer, {{3, 5}, {7, 9}}, {{{{1, 0, 0, 1}}}});
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.client.begin_pass(cb, load, framebuffer, f.whole);
+    const VkClearAttachment blue{VK_IMAGE_ASPECT_COLOR_BIT, 0, {{{0, 0, 1, 1}}}};
+    const VkClearRect rects[] = {{{{20, 20}, {3, 3}}, 0, 1}, {{{39, 0}, {1, 40}}, 0, 1}};
+    VK(f.client, CmdClearAttachments)(cb, 1, &blue, 2, rects);
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.download(cb, f.image);
+  });
+  for (uint32_t y = 0; y < kSize; ++y) {
+    for (uint32_t x = 0; x < kSize; ++x) {
+      const bool red = x >= 3 && x < 10 && y >= 5 && y < 14;
+      const bool blue = x == 39 || (x >= 20 && x < 23 && y >= 20 && y < 23);
+      ASSERT_EQ(f.at(x, y), blue ? kBlue : red ? kRed : kGreen) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(IcdRenderPass, UnsupportedIsRefused) {
+  PipelineClient client;
+  VkAttachmentDescription attachment{0, kFormat, VK_SAMPLE_COUNT_4_BIT};
+  const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_GENERAL};
+  VkSubpassDescription subpass{};
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &reference;
+  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, nullptr, 0, 1, &attachment, 1, &subpass};
+  VkRenderPass pass;
+  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT) << "4 samples";
+  attachment.samples = VK_SAMPLE_COUNT_1_BIT;
+  subpass.inputAttachmentCount = 1;
+  subpass.pInputAttachments = &reference;
+  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT)
+      << "input attachment";
+}
+
+struct ColorPipeline {
+  VkPipelineLayout layout;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+
+  ColorPipeline(DrawFixture& f, VkRenderPass pass, uint32_t subpass = 0,
+                VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST)
+      : layout(f.client.pipeline_layout(std::nullopt, 16)) {
+    EXPECT_EQ(f.client.graphics_pipeline(layout, pass, subpass, f.client.module(kColorVertex), f.client.module(kColorFragment),
+                                         topology, &pipeline),
+              VK_SUCCESS);
+  }
+};
+
+TEST(IcdDraw, DirectIndexedAndIndirectAgree) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const ColorPipeline p(f, pass);
+  const auto indices = f.client.buffer(64), arguments = f.client.buffer(128);
+  for (uint16_t i = 0; i < 6; ++i) indices.as<uint16_t>()[2 + i] = i;
+  const VkDrawIndirectCommand indirect[] = {{6, 1, 0, 0}, {6, 1, 6, 0}};
+  const VkDrawIndexedIndirectCommand indexed{6, 1, 0, 6, 0};
+  std::memcpy(arguments.data, indirect, sizeof(indirect));
+  std::memcpy(arguments.data + 64, &indexed, sizeof(indexed));
+  for (int mode = 0; mode < 4; ++mode) {
+    f.client.run([&](VkCommandBuffer cb) {
+      f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack});
+      f.bind(cb, p.pipeline);
+      VK(f.client, CmdBindIndexBuffer)(cb, indices.handle, 4, VK_INDEX_TYPE_UINT16);
+      f.color(cb, p.layout, {1, 0, 0, 1});
+      if (mode == 0) VK(f.client, CmdDraw)(cb, 6, 1, 0, 0);
+      if (mode == 1) VK(f.client, CmdDrawIndexed)(cb, 6, 1, 0, 0, 0);
+      if (mode == 2) VK(f.client, CmdDrawIndirect)(cb, arguments.handle, 0, 1, 16);
+      if (mode == 3) VK(f.client, CmdDrawIndirect)(cb, arguments.handle, 0, 2, 16);
+      f.color(cb, p.layout, {0, 0, 1, 1});
+      if (mode == 0) VK(f.client, CmdDraw)(cb, 6, 3, 6, 0);
+      if (mode == 1) VK(f.client, CmdDrawIndexed)(cb, 6, 1, 0, 6, 0);
+      if (mode >= 2) VK(f.client, CmdDrawIndexedIndirect)(cb, arguments.handle, 64, 1, 20);
+      VK(f.client, CmdEndRenderPass)(cb);
+      f.download(cb, f.image);
+    });
+    for (uint32_t i = 0; i < kSize; ++i) {
+      ASSERT_EQ(f.at(i, 7), i < kSize / 2 ? kRed : kBlue) << "mode " << mode << " x " << i;
+    }
+  }
+}
+
+TEST(IcdDraw, ScissorAndSecondaryCommandBuffer) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const ColorPipeline p(f, pass);
+  const VkCommandBuffer secondary = f.client.command_buffer(VK_COMMAND_BUFFER_LEVEL_SECONDARY);
+  const VkCommandBufferInheritanceInfo inheritance{VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO, nullptr, pass, 0,
+                                                   framebuffer};
+  const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr,
+                                      VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT, &inheritance};
+  EXPECT_EQ(VK(f.client, BeginCommandBuffer)(secondary, &info), VK_SUCCESS);
+  f.bind(secondary, p.pipeline);
+  const VkRect2D scissor{{10, 10}, {20, 5}};
+  VK(f.client, CmdSetScissor)(secondary, 0, 1, &scissor);
+  f.color(secondary, p.layout, {0, 1, 0, 1});
+  VK(f.client, CmdDraw)(secondary, 12, 1, 0, 0);
+  EXPECT_EQ(VK(f.client, EndCommandBuffer)(secondary), VK_SUCCESS);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack}, VK_SUBPASS_CONTENTS_SECONDARY_COMMAND_BUFFERS);
+    VK(f.client, CmdExecuteCommands)(cb, 1, &secondary);
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.download(cb, f.image);
+  });
+  for (uint32_t y = 0; y < kSize; ++y) {
+    for (uint32_t x = 0; x < kSize; ++x)
+      ASSERT_EQ(f.at(x, y), x >= 10 && x < 30 && y >= 10 && y < 15 ? kGreen : kBlack) << x << ' ' << y;
+  }
+}
+
+// Subpass 0 and 2 draw to attachment 0, subpass 1 to attachment 1: contents live on between them.
+TEST(IcdDraw, SubpassesKeepTheirAttachments) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kAttachments[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR},
+                                                         {kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kOrder[] = {0, 1, 0};
+  const VkRenderPass pass = f.client.render_pass(kAttachments, kOrder);
+  const VkImage other = f.target();
+  const VkFramebuffer framebuffer =
+      f.client.framebuffer(pass, {f.client.view(f.image, kFormat), f.client.view(other, kFormat)}, {kSize, kSize});
+  const ColorPipeline first(f, pass, 0), second(f, pass, 1), third(f, pass, 2);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack, kClearBlack});
+    f.bind(cb, first.pipeline);
+    f.color(cb, first.layout, {1, 0, 0, 1});
+    VK(f.client, CmdDraw)(cb, 6, 1, 0, 0);
+    VK(f.client, CmdNextSubpass)(cb, VK_SUBPASS_CONTENTS_INLINE);
+    f.bind(cb, second.pipeline);
+    f.color(cb, second.layout, {0, 1, 0, 1});
+    VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+    VK(f.client, CmdNextSubpass)(cb, VK_SUBPASS_CONTENTS_INLINE);
+    f.bind(cb, third.pipeline);
+    f.color(cb, third.layout, {0, 0, 1, 1});
+    VK(f.client, CmdDraw)(cb, 6, 1, 6, 0);
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.download(cb, f.image);
+  });
+  EXPECT_EQ(f.at(5, 5), kRed);
+  EXPECT_EQ(f.at(30, 30), kBlue);
+  f.client.run([&](VkCommandBuffer cb) { f.download(cb, other); });
+  EXPECT_EQ(f.at(5, 5), kGreen);
+  EXPECT_EQ(f.at(30, 30), kGreen);
+}
+
+// One pipeline, three kinds of textures in one render pass: each draw gets its own variant.
+TEST(IcdDraw, TexturesSelectVariants) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const auto set_layout =
+      f.client.set_layout({{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}});
+  const VkPipelineLayout layout = f.client.pipeline_layout(set_layout, 16);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(f.client.graphics_pipeline(layout, pass, 0, f.client.module(kColorVertex), f.client.module(kTextureFragment),
+                                       VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, &pipeline),
+            VK_SUCCESS);
+  const VkImage rgba = f.target(VK_IMAGE_USAGE_SAMPLED_BIT),
+                bgra = f.target(VK_IMAGE_USAGE_SAMPLED_BIT, VK_FORMAT_B8G8R8A8_UNORM);
+  const VkSampler sampler = f.client.nearest_sampler();
+  const VkDescriptorSet sets[] = {f.client.descriptor_set(set_layout), f.client.descriptor_set(set_layout),
+                                  f.client.descriptor_set(set_layout)};
+  f.client.write_texture(sets[0], 0, f.client.view(rgba, kFormat), sampler);
+  f.client.write_texture(sets[1], 0, f.client.view(bgra, VK_FORMAT_B8G8R8A8_UNORM), sampler);
+  constexpr VkComponentMapping kSwapped{VK_COMPONENT_SWIZZLE_G, VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_ZERO,
+                                        VK_COMPONENT_SWIZZLE_ONE};
+  f.client.write_texture(sets[2], 0, f.client.view(rgba, kFormat, kSwapped), sampler);
+  const auto texels = f.client.buffer(kSize * kSize * 4);
+  for (uint32_t i = 0; i < kSize * kSize; ++i) texels.as<uint32_t>()[i] = i * 2654435761u;
+  for (int variant = 0; variant < 3; ++variant) {
+    f.client.run([&](VkCommandBuffer cb) {
+      const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, {kSize, kSize, 1}};
+      VK(f.client, CmdCopyBufferToImage)(cb, texels.handle, rgba, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+      VK(f.client, CmdCopyBufferToImage)(cb, texels.handle, bgra, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+      f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack});
+      f.bind(cb, pipeline);
+      VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[variant], 0, nullptr);
+      VK(f.client, CmdDraw)(cb, 6, 1, 0, 0);
+      VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[0], 0, nullptr);
+      VK(f.client, CmdDraw)(cb, 6, 1, 6, 0);
+      VK(f.client, CmdEndRenderPass)(cb);
+      f.download(cb, f.image);
+    });
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) {
+        const uint32_t t = texels.as<uint32_t>()[y * kSize + x];
+        const uint32_t swapped = (t & 0xFF00FF00u) | (t & 0xFFu) << 16 | (t >> 16 & 0xFFu);
+        const uint32_t mapped = 0xFF000000u | (t & 0xFFu) << 8 | (t >> 8 & 0xFFu);
+        const uint32_t expected = x >= kSize / 2 || variant == 0 ? t : variant == 1 ? swapped : mapped;
+        ASSERT_EQ(f.at(x, y), expected) << "variant " << variant << " at " << x << ' ' << y;
+      }
+    }
+  }
+}
+
+TEST(IcdDraw, UnsupportedTopologyIsRefused) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  VkPipeline pipeline;
+  EXPECT_EQ(f.client.graphics_pipeline(f.client.pipeline_layout(std::nullopt, 16), pass, 0, f.client.module(kColorVertex),
+                                       f.client.module(kColorFragment), VK_PRIMITIVE_TOPOLOGY_LINE_LIST, &pipeline),
+            VK_ERROR_FEATURE_NOT_PRESENT);
+  EXPECT_EQ(pipeline, VkPipeline(VK_NULL_HANDLE));
+}
+
+}  // namespace
+}  // namespace pineda::test

@@ -1,0 +1,217 @@
+// Pipelines, descriptor sets and render passes for the driver's tests, on top of icd_client.h.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "icd_client.h"
+
+namespace pineda::test {
+
+class PipelineClient : public Client {
+ public:
+  using Client::Client;
+
+  VkShaderModule module(std::span<const uint32_t> words) {
+    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    info.codeSize = words.size_bytes();
+    info.pCode = words.data();
+    VkShaderModule out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateShaderModule)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyShaderModule)(device, out, nullptr); });
+    return out;
+  }
+
+  VkDescriptorSetLayout set_layout(std::vector<VkDescriptorSetLayoutBinding> bindings) {
+    const VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0,
+                                               static_cast<uint32_t>(bindings.size()), bindings.data()};
+    VkDescriptorSetLayout out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateDescriptorSetLayout)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyDescriptorSetLayout)(device, out, nullptr); });
+    return out;
+  }
+
+  VkPipelineLayout pipeline_layout(std::optional<VkDescriptorSetLayout> set, uint32_t push_bytes) {
+    const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, push_bytes};
+    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    info.setLayoutCount = set ? 1 : 0;
+    info.pSetLayouts = set ? &*set : nullptr;
+    info.pushConstantRangeCount = push_bytes ? 1 : 0;
+    info.pPushConstantRanges = &range;
+    VkPipelineLayout out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreatePipelineLayout)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyPipelineLayout)(device, out, nullptr); });
+    return out;
+  }
+
+  VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout) {
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 4},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 4},
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4}};
+    const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, 1, 3, sizes};
+    VkDescriptorPool descriptors = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateDescriptorPool)(device, &info, nullptr, &descriptors), VK_SUCCESS);
+    defer([this, descriptors] { VK(*this, DestroyDescriptorPool)(device, descriptors, nullptr); });
+    const VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, descriptors, 1, &layout};
+    VkDescriptorSet out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, AllocateDescriptorSets)(device, &allocate, &out), VK_SUCCESS);
+    return out;
+  }
+
+  void write_buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, VkBuffer buffer,
+                    VkDeviceSize range = VK_WHOLE_SIZE) {
+    const VkDescriptorBufferInfo info{buffer, 0, range};
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, binding, 0, 1, type, nullptr, &info};
+    VK(*this, UpdateDescriptorSets)(device, 1, &write, 0, nullptr);
+  }
+  void write_texture(VkDescriptorSet set, uint32_t binding, VkImageView view, VkSampler sampler) {
+    const VkDescriptorImageInfo info{sampler, view, VK_IMAGE_LAYOUT_GENERAL};
+    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,    nullptr, set, binding, 0, 1,
+                                     VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &info};
+    VK(*this, UpdateDescriptorSets)(device, 1, &write, 0, nullptr);
+  }
+
+  VkImageView view(VkImage image, VkFormat format, VkComponentMapping components = {},
+                   VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT) {
+    const VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                     nullptr,
+                                     0,
+                                     image,
+                                     VK_IMAGE_VIEW_TYPE_2D,
+                                     format,
+                                     components,
+                                     {aspect, 0, 1, 0, 1}};
+    VkImageView out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateImageView)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyImageView)(device, out, nullptr); });
+    return out;
+  }
+
+  VkSampler nearest_sampler() {
+    VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    VkSampler out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateSampler)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroySampler)(device, out, nullptr); });
+    return out;
+  }
+
+  VkResult compute_pipeline(VkPipelineLayout layout, VkShaderModule shader, const VkSpecializationInfo* specialization,
+                            VkPipeline* out) {
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  nullptr,
+                  0,
+                  VK_SHADER_STAGE_COMPUTE_BIT,
+                  shader,
+                  "main",
+                  specialization};
+    info.layout = layout;
+    const VkResult result = VK(*this, CreateComputePipelines)(device, VK_NULL_HANDLE, 1, &info, nullptr, out);
+    defer([this, pipeline = *out] { VK(*this, DestroyPipeline)(device, pipeline, nullptr); });
+    return result;
+  }
+
+  // One colour attachment (and a depth attachment when depth_format is set) in each subpass; attachments.size() subpasses.
+  struct Attachment {
+    VkFormat format;
+    VkAttachmentLoadOp load;
+  };
+  VkRenderPass render_pass(std::span<const Attachment> attachments, std::span<const uint32_t> subpass_attachment) {
+    std::vector<VkAttachmentDescription> descriptions;
+    for (const Attachment& attachment : attachments) {
+      descriptions.push_back({0, attachment.format, VK_SAMPLE_COUNT_1_BIT, attachment.load, VK_ATTACHMENT_STORE_OP_STORE,
+                              VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                              attachment.load == VK_ATTACHMENT_LOAD_OP_LOAD ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_UNDEFINED,
+                              VK_IMAGE_LAYOUT_GENERAL});
+    }
+    std::vector<VkAttachmentReference> references;
+    for (uint32_t index : subpass_attachment) references.push_back({index, VK_IMAGE_LAYOUT_GENERAL});
+    std::vector<VkSubpassDescription> subpasses(references.size());
+    for (size_t i = 0; i < subpasses.size(); ++i) {
+      subpasses[i].colorAttachmentCount = 1;
+      subpasses[i].pColorAttachments = &references[i];
+    }
+    VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+    info.attachmentCount = static_cast<uint32_t>(descriptions.size());
+    info.pAttachments = descriptions.data();
+    info.subpassCount = static_cast<uint32_t>(subpasses.size());
+    info.pSubpasses = subpasses.data();
+    VkRenderPass out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateRenderPass)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyRenderPass)(device, out, nullptr); });
+    return out;
+  }
+
+  VkFramebuffer framebuffer(VkRenderPass pass, std::vector<VkImageView> views, VkExtent2D extent) {
+    const VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                       nullptr,
+                                       0,
+                                       pass,
+                                       static_cast<uint32_t>(views.size()),
+                                       views.data(),
+                                       extent.width,
+                                       extent.height,
+                                       1};
+    VkFramebuffer out = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(*this, CreateFramebuffer)(device, &info, nullptr, &out), VK_SUCCESS);
+    defer([this, out] { VK(*this, DestroyFramebuffer)(device, out, nullptr); });
+    return out;
+  }
+
+  void begin_pass(VkCommandBuffer cb, VkRenderPass pass, VkFramebuffer framebuffer, VkRect2D area,
+                  std::vector<VkClearValue> clears = {}, VkSubpassContents contents = VK_SUBPASS_CONTENTS_INLINE) {
+    const VkRenderPassBeginInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO, nullptr,      pass, framebuffer, area,
+                                     static_cast<uint32_t>(clears.size()),     clears.data()};
+    VK(*this, CmdBeginRenderPass)(cb, &info, contents);
+  }
+
+  // Vertex: vec2 position, vec2 uv in one binding. Viewport and scissor are dynamic.
+  VkResult graphics_pipeline(VkPipelineLayout layout, VkRenderPass pass, uint32_t subpass, VkShaderModule vertex,
+                             VkShaderModule fragment, VkPrimitiveTopology topology, VkPipeline* out);
+};
+
+inline VkResult PipelineClient::graphics_pipeline(VkPipelineLayout layout, VkRenderPass pass, uint32_t subpass,
+                                                  VkShaderModule vertex, VkShaderModule fragment, VkPrimitiveTopology topology,
+                                                  VkPipeline* out) {
+  const VkPipelineShaderStageCreateInfo stages[] = {
+      {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", nullptr},
+      {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main", nullptr}};
+  const VkVertexInputBindingDescription binding{0, 16, VK_VERTEX_INPUT_RATE_VERTEX};
+  const VkVertexInputAttributeDescription attributes[] = {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32_SFLOAT, 8}};
+  const VkPipelineVertexInputStateCreateInfo input{
+      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO, nullptr, 0, 1, &binding, 2, attributes};
+  const VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, nullptr, 0,
+                                                        topology, VK_FALSE};
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo rasterization{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  rasterization.lineWidth = 1;
+  VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  VkPipelineColorBlendAttachmentState blend_attachment{};
+  blend_attachment.colorWriteMask = 0xF;
+  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  blend.attachmentCount = 1;
+  blend.pAttachments = &blend_attachment;
+  const VkDynamicState dynamics[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, nullptr, 0, 2, dynamics};
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  info.stageCount = 2;
+  info.pStages = stages;
+  info.pVertexInputState = &input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &rasterization;
+  info.pMultisampleState = &multisample;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = layout;
+  info.renderPass = pass;
+  info.subpass = subpass;
+  const VkResult result = VK(*this, CreateGraphicsPipelines)(device, VK_NULL_HANDLE, 1, &info, nullptr, out);
+  defer([this, pipeline = *out] { VK(*this, DestroyPipeline)(device, pipeline, nullptr); });
+  return result;
+}
+
+}  // namespace pineda::test
