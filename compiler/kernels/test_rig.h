@@ -14,6 +14,7 @@
 #include "base/srgb.h"
 #include "compiler/compile.h"
 #include "compiler/eval/eval.h"
+#include "compiler/jit/jit.h"
 #include "compiler/kernels/kernels.h"
 #include "compiler/passes/passes.h"
 
@@ -27,6 +28,59 @@ inline ir::Kernel optimized(ir::Kernel kernel, eval::Mode mode) {
   EXPECT_EQ(ir::verify(kernel), "");
   return kernel;
 }
+
+// Runs a kernel in the evaluator; while `compare_machine_code` is set (JitComparison), also as machine code of every instruction
+// set that this CPU has, and expects the same stored bytes. Memory holds the evaluator's result afterwards.
+class Runner {
+ public:
+  static inline bool compare_machine_code = false;
+
+  Runner(const ir::Kernel& kernel, eval::Mode mode) : program_(kernel, mode) {
+    if (!compare_machine_code || mode != eval::Mode::kF32) return;
+    std::string error;
+    const jit::Api* api = jit::api(&error);
+    if (!api) {
+      ADD_FAILURE() << error;
+      return;
+    }
+    for (const jit::Isa isa : {jit::Isa::kSse42, jit::Isa::kAvx2, jit::Isa::kAvx512}) {
+      if (!jit::isa_supported(isa)) continue;
+      jit::Code code = api->compile(kernel, {.isa = isa});
+      EXPECT_EQ(code.error, "");
+      if (!code.error.empty()) continue;
+      codes_.push_back({isa, code.fn, std::shared_ptr<void>(code.owner, api->release)});
+    }
+  }
+
+  void run(const void* draw, void* thread, const PrimRecord* prims, uint32_t prim_count, const void* waves) const {
+    std::vector<eval::WrittenByte> expected, before;
+    if (!codes_.empty()) {
+      expected = program_.dry_run(draw, thread, prims, prim_count, waves);
+      before = expected;
+      for (eval::WrittenByte& byte : before) byte.value = *reinterpret_cast<const uint8_t*>(byte.address);
+    }
+    for (const MachineCode& code : codes_) {
+      const KernelHandle handle{code.fn, nullptr};
+      handle(draw, thread, prims, prim_count, waves);
+      for (const eval::WrittenByte& byte : expected) {
+        if (*reinterpret_cast<const uint8_t*>(byte.address) == byte.value) continue;
+        ADD_FAILURE() << jit::isa_name(code.isa) << " differs from the evaluator at " << std::hex << byte.address;
+        break;
+      }
+      for (const eval::WrittenByte& byte : before) *reinterpret_cast<uint8_t*>(byte.address) = byte.value;
+    }
+    program_.run(draw, thread, prims, prim_count, waves);
+  }
+
+ private:
+  struct MachineCode {
+    jit::Isa isa;
+    KernelFn fn;
+    std::shared_ptr<void> owner;
+  };
+  eval::Program program_;
+  std::vector<MachineCode> codes_;
+};
 
 // A kernel that maps arrays of 32-bit words to arrays of 32-bit words, 16 elements a wave. The arrays' addresses stand in the
 // push constants.
@@ -48,7 +102,7 @@ class ArrayKernel {
     const std::vector<ir::Value> out = body(b, in);
     outputs_ = static_cast<uint32_t>(out.size());
     for (uint32_t i = 0; i < outputs_; ++i) b.store(array(inputs + i), out[i]);
-    program_ = std::make_unique<eval::Program>(optimized(std::move(kernel), mode), mode);
+    runner_ = std::make_unique<Runner>(optimized(std::move(kernel), mode), mode);
   }
 
   std::vector<std::vector<uint32_t>> operator()(std::vector<std::vector<uint32_t>> in, DrawContext draw = {}) const {
@@ -63,7 +117,7 @@ class ArrayKernel {
     std::vector<Wave> waves;
     for (uint32_t i = 0; i < padded / 16; ++i) waves.push_back({0xffff, i});
     const PrimRecord prim{nullptr, 0, static_cast<uint32_t>(waves.size())};
-    program_->run(&draw, nullptr, &prim, 1, waves.data());
+    runner_->run(&draw, nullptr, &prim, 1, waves.data());
     for (auto& array : out) array.resize(count);
     return out;
   }
@@ -73,7 +127,7 @@ class ArrayKernel {
     uint32_t mask, index;
   };
   uint32_t inputs_, outputs_ = 0;
-  std::unique_ptr<eval::Program> program_;
+  std::unique_ptr<Runner> runner_;
 };
 
 // One 4x4 block under one triangle, every pipeline state, a shader written in C++.
@@ -110,7 +164,7 @@ struct FragmentRig {
     ir::Kernel kernel = optimized(std::move(built->ir), mode);
     const std::vector<compiler::VaryingSlot> varyings = compact_varyings(kernel);
     EXPECT_EQ(ir::verify(kernel), "");
-    program_ = std::make_unique<eval::Program>(kernel, mode);
+    runner_ = std::make_shared<Runner>(kernel, mode);
     return varyings;
   }
 
@@ -125,11 +179,11 @@ struct FragmentRig {
     thread.depth = depth.data();
     for (uint32_t v = 0; v < 3; ++v) prim.vertex[v] = vertices[v].data();
     const PrimRecord record{&prim, 0, 1};
-    program_->run(&draw, &thread, &record, 1, &wave);
+    runner_->run(&draw, &thread, &record, 1, &wave);
   }
 
  private:
-  std::shared_ptr<eval::Program> program_;
+  std::shared_ptr<Runner> runner_;
 };
 
 inline uint32_t lane_x(uint32_t lane) { return (lane & 1) + 2 * (lane >> 2 & 1); }

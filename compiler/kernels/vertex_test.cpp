@@ -47,7 +47,7 @@ struct VertexRig {
     draw.vertex_buffers[2] = {.address = reinterpret_cast<uint64_t>(buffer), .size_bytes = size_bytes};
     wave.out = out.data();
     const PrimRecord record{nullptr, 0, 1};
-    eval::run(optimized(std::move(*kernel), eval::Mode::kF32), eval::Mode::kF32, &draw, nullptr, &record, 1, &wave);
+    Runner(optimized(std::move(*kernel), eval::Mode::kF32), eval::Mode::kF32).run(&draw, nullptr, &record, 1, &wave);
   }
 
   float value(uint32_t lane, uint32_t component) const { return out[(4 + component) * kLanes + lane]; }
