@@ -1,0 +1,54 @@
+// Programs that use the driver as any user would: vulkaninfo, the validation layer, the `pineda` command with good and bad input.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/process.h"
+
+namespace pineda::tests {
+namespace {
+
+const std::string kCommand = PINEDA_BUILD_DIR "/pineda";
+
+TEST(Clients, VulkaninfoListsTheDriver) {
+  const ProcessResult result = run_process("vulkaninfo --summary");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_NE(result.output.find("deviceName         = Pineda"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("PHYSICAL_DEVICE_TYPE_CPU"), std::string::npos) << result.output;
+}
+
+TEST(Clients, ScenesAreCleanUnderTheValidationLayer) {
+  const ProcessResult result = run_process(kCommand + " golden --validate " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
+}
+
+TEST(Clients, OnlyTheLoaderInterfaceIsExported) {
+  const ProcessResult result =
+      run_process("nm -D --defined-only " PINEDA_BUILD_DIR "/libvk_pineda.so | awk '{print $3}' | grep -v '^vk_icd'");
+  EXPECT_EQ(result.output, "") << "symbols that are not the loader's business";
+}
+
+struct BadInput {
+  const char* arguments;
+  const char* message;  // that must appear
+};
+
+class BadInputTest : public testing::TestWithParam<BadInput> {};
+
+TEST_P(BadInputTest, GetsAClearError) {
+  const ProcessResult result = run_process(kCommand + " " + GetParam().arguments);
+  EXPECT_GT(result.exit_status, 0) << result.output;
+  EXPECT_LT(result.exit_status, 128) << "ended by a signal: " << result.output;
+  EXPECT_NE(result.output.find(GetParam().message), std::string::npos) << result.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(Clients, BadInputTest,
+                         testing::Values(BadInput{"compare --out /tmp/pineda-bad /no/such/model.glb", "/no/such/model.glb"},
+                                         BadInput{"compare --out /tmp/pineda-bad nonsense", "nonsense"},
+                                         BadInput{"render triangle --driver /no/such/driver.json", "driver"},
+                                         BadInput{"render triangle --size 0x10", "size"},
+                                         BadInput{"frobnicate", "frobnicate"}));
+
+}  // namespace
+}  // namespace pineda::tests
