@@ -159,7 +159,11 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source);
 // Runs passes and back end on a finished kernel (tests, internal kernels).
 Result<KernelPtr> compile_kernel(ir::Kernel kernel);
 
-// PINEDA_MODE=check: stored bytes so far in which machine code and evaluator differed. Each kernel call that differs is reported as well.
-uint64_t check_mismatches();
+// PINEDA_MODE=check, so far: kernel calls that ran both ways, bytes they stored, and those of them in which machine code and evaluator
+// differed. Each call that differs is reported as well.
+struct CheckStatistics {
+  uint64_t calls, bytes, differing_bytes;
+};
+CheckStatistics check_statistics();
 
 }  // namespace pineda::compiler

@@ -16,7 +16,7 @@
 namespace pineda::compiler {
 namespace {
 
-std::atomic<uint64_t> mismatch_count{0};
+std::atomic<uint64_t> checked_calls{0}, checked_bytes{0}, differing_bytes{0};
 
 // ---- dumps ----------------------------------------------------------------------------------------------------------------
 
@@ -114,8 +114,10 @@ class BackedKernel final : public Executable {
       if (*reinterpret_cast<const uint8_t*>(byte.address) == byte.value) continue;
       if (wrong++ == 0) first = byte.address;
     }
+    ++checked_calls;
+    checked_bytes += expected.size();
     if (wrong == 0) return;
-    mismatch_count += wrong;
+    differing_bytes += wrong;
     char text[160];
     std::snprintf(text, sizeof text, ": machine code and evaluator differ in %llu of %zu stored bytes, first at %#llx",
                   static_cast<unsigned long long>(wrong), expected.size(), static_cast<unsigned long long>(first));
@@ -190,6 +192,6 @@ Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash)
   return executable;
 }
 
-uint64_t check_mismatches() { return mismatch_count; }
+CheckStatistics check_statistics() { return {checked_calls, checked_bytes, differing_bytes}; }
 
 }  // namespace pineda::compiler

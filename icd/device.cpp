@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/config.h"
+#include "base/log.h"
+#include "compiler/compile.h"
 #include "icd/api.h"
 #include "icd/dispatch.h"
 #include "icd/extensions.h"
@@ -56,6 +59,13 @@ void Device::forget_name(uint64_t handle) {
 
 namespace {
 
+void report_check() {
+  const compiler::CheckStatistics checked = compiler::check_statistics();
+  report(checked.differing_bytes == 0 ? Severity::kInfo : Severity::kError,
+         "check: " + std::to_string(checked.calls) + " kernel calls stored " + std::to_string(checked.bytes) + " bytes, of which " +
+             std::to_string(checked.differing_bytes) + " differ between machine code and evaluator");
+}
+
 bool known_extension(const char* name) {
   return std::ranges::any_of(device_extensions(),
                              [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
@@ -105,6 +115,7 @@ VkResult api::CreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* 
 }
 
 void api::DestroyDevice(VkDevice device, const VkAllocationCallbacks* callbacks) {
+  if (device && config().mode == Mode::kCheck) report_check();
   if (device) destroy_object(from(device), callbacks, from(device)->physical.instance.allocator);
 }
 

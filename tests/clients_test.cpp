@@ -11,7 +11,8 @@ namespace {
 const std::string kCommand = PINEDA_BUILD_DIR "/pineda";
 
 TEST(Clients, VulkaninfoListsTheDriver) {
-  const ProcessResult result = run_process("vulkaninfo --summary");
+  const ProcessResult result = run_process("VK_DRIVER_FILES=" PINEDA_BUILD_DIR "/pineda_icd.json VK_ICD_FILENAMES=" PINEDA_BUILD_DIR
+                                           "/pineda_icd.json vulkaninfo --summary");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_NE(result.output.find("deviceName         = Pineda"), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("PHYSICAL_DEVICE_TYPE_CPU"), std::string::npos) << result.output;
