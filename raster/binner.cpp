@@ -31,7 +31,8 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
   for (uint32_t y = y0; y <= y1; ++y) {
     for (uint32_t x = x0; x <= x1; ++x) {
       TileEdges edges;
-      const TileCover cover = make_tile_edges(triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift), grid_->tile_px, edges);
+      const TileCover cover =
+          make_tile_edges(triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift), grid_->tile_px, edges);
       if (cover == TileCover::kNone) continue;
       const uint32_t tile = y * grid_->columns + x;
       push(draw, tile, index, cover == TileCover::kFull && draw.rect.contains(grid_->rect(tile)));

@@ -1,4 +1,5 @@
-// Sorts the triangles of a chunk by tile: a counting sort over the tiles that the chunk touches, so its cost follows the work, not the screen.
+// Sorts the triangles of a chunk by tile: a counting sort over the tiles that the chunk touches, so its cost follows the work,
+// not the screen.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +12,9 @@ namespace pineda::raster {
 // Tiles of the framebuffer, row by row.
 struct TileGrid {
   int32_t tile_px = 64;
-  uint32_t shift = 6;            // log2(tile_px)
+  uint32_t shift = 6;  // log2(tile_px)
   uint32_t columns = 0, rows = 0;
-  Rect area;                     // pixels of the render area inside the framebuffer
+  Rect area;  // pixels of the render area inside the framebuffer
 
   uint32_t count() const { return columns * rows; }
   Rect rect(uint32_t tile) const {  // the tile's pixels in the render area
@@ -35,7 +36,7 @@ class Binner {
 
  private:
   struct PerTile {
-    uint32_t count = 0;         // entries so far; in finish(), where the next one goes
+    uint32_t count = 0;  // entries so far; in finish(), where the next one goes
     uint32_t cover = 0;
     bool blocks_cover = false;
   };

@@ -12,26 +12,47 @@ constexpr uint32_t kPoolVertices = 3 + 2 * kMaxClipPlanes;
 // Signed distance, >= 0 inside. v: x y z w.
 float distance(uint32_t plane, const ViewportTransform& t, const float* v) {
   switch (1u << plane) {
-    case kClipW: return v[3] - kMinW;
-    case kClipNear: return v[2];
-    case kClipFar: return v[3] - v[2];
-    case kClipLeft: return v[0] - t.guard_x_min * v[3];
-    case kClipRight: return t.guard_x_max * v[3] - v[0];
-    case kClipTop: return v[1] - t.guard_y_min * v[3];
-    default: return t.guard_y_max * v[3] - v[1];
+    case kClipW:
+      return v[3] - kMinW;
+    case kClipNear:
+      return v[2];
+    case kClipFar:
+      return v[3] - v[2];
+    case kClipLeft:
+      return v[0] - t.guard_x_min * v[3];
+    case kClipRight:
+      return t.guard_x_max * v[3] - v[0];
+    case kClipTop:
+      return v[1] - t.guard_y_min * v[3];
+    default:
+      return t.guard_y_max * v[3] - v[1];
   }
 }
 
 // Puts a cut exactly on its plane: what rounding left over could be a whole screen after the division by a small w.
 void snap_to_plane(uint32_t plane, const ViewportTransform& t, float* v) {
   switch (1u << plane) {
-    case kClipW: v[3] = kMinW; break;
-    case kClipNear: v[2] = 0; break;
-    case kClipFar: v[2] = v[3]; break;
-    case kClipLeft: v[0] = t.guard_x_min * v[3]; break;
-    case kClipRight: v[0] = t.guard_x_max * v[3]; break;
-    case kClipTop: v[1] = t.guard_y_min * v[3]; break;
-    default: v[1] = t.guard_y_max * v[3]; break;
+    case kClipW:
+      v[3] = kMinW;
+      break;
+    case kClipNear:
+      v[2] = 0;
+      break;
+    case kClipFar:
+      v[2] = v[3];
+      break;
+    case kClipLeft:
+      v[0] = t.guard_x_min * v[3];
+      break;
+    case kClipRight:
+      v[0] = t.guard_x_max * v[3];
+      break;
+    case kClipTop:
+      v[1] = t.guard_y_min * v[3];
+      break;
+    default:
+      v[1] = t.guard_y_max * v[3];
+      break;
   }
 }
 

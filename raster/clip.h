@@ -1,5 +1,6 @@
-// Clipping of one triangle against the view volume's depth planes, w > 0 and the guard band, by Sutherland and Hodgman (1974), all attributes
-// along. Every cut is computed from the inside to the outside vertex, so two triangles that share an edge get the same new vertex.
+// Clipping of one triangle against the view volume's depth planes, w > 0 and the guard band, by Sutherland and Hodgman (1974),
+// all attributes along. Every cut is computed from the inside to the outside vertex, so two triangles that share an edge get the
+// same new vertex.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@ inline constexpr uint32_t kMaxClipVertices = 3 + kMaxClipPlanes;  // of the poly
 
 class Clipper {
  public:
-  // `vertex` are slot-0 addresses of the three vertices (stride kVertexSlotBytes between slots). Returns the number of vertices left, 0 when the
-  // triangle is outside.
+  // `vertex` are slot-0 addresses of the three vertices (stride kVertexSlotBytes between slots). Returns the number of vertices
+  // left, 0 when the triangle is outside.
   uint32_t clip(const ViewportTransform& viewport, uint32_t slots, const float* const vertex[3]);
 
   // Slots of polygon vertex i, contiguous.

@@ -15,12 +15,14 @@ constexpr int32_t kSmallFx8 = 64 * kSubpixels;
 
 inline __m128i next_vertex(__m128i v) { return _mm_shuffle_epi32(v, _MM_SHUFFLE(3, 0, 2, 1)); }
 
-// The three edges at once, in 32 bits. x and y: the vertices relative to the centre of the tile's first pixel (the fourth elements are ignored).
+// The three edges at once, in 32 bits. x and y: the vertices relative to the centre of the tile's first pixel (the fourth
+// elements are ignored).
 TileCover make_small_edges(__m128i x, __m128i y, bool clockwise, int32_t last, TileEdges& edges) {
   const __m128i flip = _mm_set1_epi32(clockwise ? 0 : -1), zero = _mm_setzero_si128();
   const auto oriented = [&](__m128i v) { return _mm_sub_epi32(_mm_xor_si128(v, flip), flip); };
   const __m128i a = oriented(_mm_sub_epi32(y, next_vertex(y))), b = oriented(_mm_sub_epi32(next_vertex(x), x));
-  const __m128i top_left = _mm_or_si128(_mm_cmpgt_epi32(a, zero), _mm_and_si128(_mm_cmpeq_epi32(a, zero), _mm_cmpgt_epi32(b, zero)));
+  const __m128i top_left =
+      _mm_or_si128(_mm_cmpgt_epi32(a, zero), _mm_and_si128(_mm_cmpeq_epi32(a, zero), _mm_cmpgt_epi32(b, zero)));
   const __m128i minus_e = _mm_add_epi32(_mm_mullo_epi32(a, x), _mm_mullo_epi32(b, y));
   // -1 where the edge is neither top nor left
   const __m128i e = _mm_sub_epi32(_mm_add_epi32(_mm_set1_epi32(-1), _mm_sub_epi32(zero, minus_e)), top_left);
@@ -50,7 +52,8 @@ TileCover make_tile_edges(const Triangle& tri, int32_t tile_x_px, int32_t tile_y
   const __m128i small = _mm_set1_epi32(kSmallFx8);
   const __m128i wide = _mm_or_si128(_mm_cmpgt_epi32(_mm_abs_epi32(_mm_sub_epi32(x, next_vertex(x))), small),
                                     _mm_cmpgt_epi32(_mm_abs_epi32(_mm_sub_epi32(y, next_vertex(y))), small));
-  if ((_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(far, wide))) & 7) == 0) return make_small_edges(x, y, clockwise, size_px - 1, edges);
+  if ((_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(far, wide))) & 7) == 0)
+    return make_small_edges(x, y, clockwise, size_px - 1, edges);
 
   bool full = true;
   for (int k = 0; k < 3; ++k) {
@@ -86,10 +89,12 @@ namespace {
 // Position of each block in its tile, x + (y << 16) px.
 constexpr auto kBlockXy = [] {
   std::array<uint32_t, kMaxTileBlocks> xy{};
-  for (uint32_t block = 0; block < kMaxTileBlocks; ++block) xy[block] = morton_x(block) * kBlockDim + (morton_y(block) * kBlockDim << 16);
+  for (uint32_t block = 0; block < kMaxTileBlocks; ++block)
+    xy[block] = morton_x(block) * kBlockDim + (morton_y(block) * kBlockDim << 16);
   return xy;
 }();
-static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) == 10 && offsetof(FragmentWave, block_index) == 12);
+static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) == 10 &&
+              offsetof(FragmentWave, block_index) == 12);
 
 namespace sse42 {
 struct V16 {
@@ -108,13 +113,16 @@ inline V16 lane_offsets(int32_t a, int32_t b) {
 template <int kScale>
 inline V16 scale(const V16& v) {
   constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
-  return {{_mm_slli_epi32(v.q[0], kShift), _mm_slli_epi32(v.q[1], kShift), _mm_slli_epi32(v.q[2], kShift), _mm_slli_epi32(v.q[3], kShift)}};
+  return {{_mm_slli_epi32(v.q[0], kShift), _mm_slli_epi32(v.q[1], kShift), _mm_slli_epi32(v.q[2], kShift),
+           _mm_slli_epi32(v.q[3], kShift)}};
 }
 inline V16 add(const V16& x, const V16& y) {
-  return {{_mm_add_epi32(x.q[0], y.q[0]), _mm_add_epi32(x.q[1], y.q[1]), _mm_add_epi32(x.q[2], y.q[2]), _mm_add_epi32(x.q[3], y.q[3])}};
+  return {{_mm_add_epi32(x.q[0], y.q[0]), _mm_add_epi32(x.q[1], y.q[1]), _mm_add_epi32(x.q[2], y.q[2]),
+           _mm_add_epi32(x.q[3], y.q[3])}};
 }
 inline V16 either(const V16& x, const V16& y) {
-  return {{_mm_or_si128(x.q[0], y.q[0]), _mm_or_si128(x.q[1], y.q[1]), _mm_or_si128(x.q[2], y.q[2]), _mm_or_si128(x.q[3], y.q[3])}};
+  return {
+      {_mm_or_si128(x.q[0], y.q[0]), _mm_or_si128(x.q[1], y.q[1]), _mm_or_si128(x.q[2], y.q[2]), _mm_or_si128(x.q[3], y.q[3])}};
 }
 inline void store(int32_t* p, const V16& v) {
   for (int i = 0; i < 4; ++i) _mm_store_si128(reinterpret_cast<__m128i*>(p) + i, v.q[i]);
@@ -193,9 +201,12 @@ inline uint32_t sign_mask(const V16& v) { return _mm512_movepi32_mask(v.v); }
 
 CoverFn cover_function(Isa isa) {
   switch (isa) {
-    case Isa::kAvx512: return avx512::cover;
-    case Isa::kAvx2: return avx2::cover;
-    case Isa::kSse42: return sse42::cover;
+    case Isa::kAvx512:
+      return avx512::cover;
+    case Isa::kAvx2:
+      return avx2::cover;
+    case Isa::kSse42:
+      return sse42::cover;
   }
   return sse42::cover;
 }

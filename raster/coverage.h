@@ -1,14 +1,16 @@
 // Which pixels of a tile a triangle covers: exact integer arithmetic, so neither tile size nor instruction set can show.
 //
-// An edge from vertex p to q has E(x, y) = (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x), in fx8; a sample is inside when E >= 0 on top and left
-// edges and E > 0, that is E - 1 >= 0, on the others (the triangle oriented so that its inside is positive).
-// At pixel centres x = 256 X + 128, so E = 256 * (A X + B Y) + const and, with the floor taken exactly, E >= 0 <=> A X + B Y + floor(const / 256) >= 0.
+// An edge from vertex p to q has E(x, y) = (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x), in fx8; a sample is inside when E
+// >= 0 on top and left edges and E > 0, that is E - 1 >= 0, on the others (the triangle oriented so that its inside is positive).
+// At pixel centres x = 256 X + 128, so E = 256 * (A X + B Y) + const and, with the floor taken exactly, E >= 0 <=> A X + B Y +
+// floor(const / 256) >= 0.
 //
-// Why 32 bits are enough inside a tile: |A|, |B| <= 49154 * 256 < 2^23.59 (geometry_types.h). Over the pixels of a tile of at most 64 px the value
-// varies by V = 63 * (|A| + |B|) < 2^30.57. An edge whose values over the whole tile have one sign is decided in 64 bits when the tile's
-// edges are formed; any other has a value < 0 and a value >= 0 in the tile, so all its values at pixels of the tile are in (-2^31, 2^31), and
-// every intermediate result is such a value or wraps and comes back. Forming the edges needs 64 bits, except for small triangles: within 64 px of
-// each other and 128 px of the tile's first pixel, products stay below 2^14 * 2^15 and sums of two below 2^30 + 1.
+// Why 32 bits are enough inside a tile: |A|, |B| <= 49154 * 256 < 2^23.59 (geometry_types.h). Over the pixels of a tile of at
+// most 64 px the value varies by V = 63 * (|A| + |B|) < 2^30.57. An edge whose values over the whole tile have one sign is
+// decided in 64 bits when the tile's edges are formed; any other has a value < 0 and a value >= 0 in the tile, so all its values
+// at pixels of the tile are in (-2^31, 2^31), and every intermediate result is such a value or wraps and comes back. Forming the
+// edges needs 64 bits, except for small triangles: within 64 px of each other and 128 px of the tile's first pixel, products stay
+// below 2^14 * 2^15 and sums of two below 2^30 + 1.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +30,8 @@ enum class TileCover { kNone, kPartial, kFull };
 // `size_px` <= 64. kFull: all pixels of the tile are covered. Edges that hold on the whole tile come out as 0.
 TileCover make_tile_edges(const Triangle& triangle, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges);
 
-// Blocks of a tile are numbered in Morton order: bit 2i of the number is bit i of the block's column, bit 2i + 1 of its row; 16 consecutive blocks
-// make a 16x16 px macro block.
+// Blocks of a tile are numbered in Morton order: bit 2i of the number is bit i of the block's column, bit 2i + 1 of its row; 16
+// consecutive blocks make a 16x16 px macro block.
 inline constexpr uint32_t kMaxTilePx = 64;
 inline constexpr uint32_t kMaxTileBlocks = kMaxTilePx / kBlockDim * (kMaxTilePx / kBlockDim);
 
@@ -38,8 +40,8 @@ struct BlockRange {
   uint32_t x0, y0, x1, y1;
 };
 
-// Writes a wave for every block in `range` with a covered pixel to out, which has room for kMaxTileBlocks + 1; returns how many. `tile_xy_px` is the
-// tile's position, x + (y << 16).
+// Writes a wave for every block in `range` with a covered pixel to out, which has room for kMaxTileBlocks + 1; returns how many.
+// `tile_xy_px` is the tile's position, x + (y << 16).
 using CoverFn = uint32_t (*)(const TileEdges& edges, const BlockRange& range, uint32_t tile_xy_px, FragmentWave* out);
 
 CoverFn cover_function(Isa isa);

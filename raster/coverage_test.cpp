@@ -1,11 +1,11 @@
 // Coverage against a scalar 64-bit reference written from the rule alone.
 #include "raster/coverage.h"
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <random>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "raster/test_scene.h"
 
@@ -18,8 +18,8 @@ struct Point {
   int64_t x, y;  // fx8
 };
 
-// The top-left rule: a sample on an edge belongs to the triangle when the edge is its left one (the inside is to its right) or its top one
-// (horizontal, the inside below).
+// The top-left rule: a sample on an edge belongs to the triangle when the edge is its left one (the inside is to its right) or
+// its top one (horizontal, the inside below).
 bool covers(std::array<Point, 3> v, Point p) {
   const auto cross = [](Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); };
   const int64_t area = cross(v[0], v[1], v[2]);
@@ -67,7 +67,8 @@ std::vector<bool> tile_pixels(CoverFn cover, const Triangle& t, int32_t x, int32
     EXPECT_EQ(blocks[i].y_px, static_cast<uint32_t>(y) + morton_y(blocks[i].block_index) * 4);
     for (uint32_t lane = 0; lane < kLanes; ++lane) {
       if (!(blocks[i].coverage >> lane & 1)) continue;
-      const uint32_t px = morton_x(blocks[i].block_index) * 4 + morton_x(lane), py = morton_y(blocks[i].block_index) * 4 + morton_y(lane);
+      const uint32_t px = morton_x(blocks[i].block_index) * 4 + morton_x(lane),
+                     py = morton_y(blocks[i].block_index) * 4 + morton_y(lane);
       EXPECT_FALSE(pixels[py * static_cast<uint32_t>(size) + px]) << "a block was reported twice";
       pixels[py * static_cast<uint32_t>(size) + px] = true;
     }
@@ -90,15 +91,18 @@ TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
   constexpr uint32_t kSeed = 20240601;
   SCOPED_TRACE(kSeed);
   std::mt19937 rng(kSeed);
-  const int64_t radii_fx8[] = {40, 200, 900, 5000, 20000, 200000, 4000000, 12000000};  // from below a pixel to the whole guard band
+  const int64_t radii_fx8[] = {40,    200,    900,     5000,
+                               20000, 200000, 4000000, 12000000};  // from below a pixel to the whole guard band
   for (int i = 0; i < 4000; ++i) {
     const int64_t radius = radii_fx8[i % 8];
     const int32_t size = 16 << i / 8 % 3;
     const int32_t tile_x = static_cast<int32_t>(rng() % 8) * size, tile_y = static_cast<int32_t>(rng() % 8) * size;
     const int64_t center = tile_x + size / 2;
-    std::array<Point, 3> v{random_point(rng, center, radius), random_point(rng, center, radius), random_point(rng, center, radius)};
+    std::array<Point, 3> v{random_point(rng, center, radius), random_point(rng, center, radius),
+                           random_point(rng, center, radius)};
     if (i % 5 == 0) v[2] = {v[0].x + static_cast<int64_t>(rng() % 300), v[0].y + static_cast<int64_t>(rng() % 300)};  // slivers
-    if (i % 7 == 0) for (Point& p : v) p = {p.x / 128 * 128, p.y / 128 * 128};                                    // samples on edges
+    if (i % 7 == 0)
+      for (Point& p : v) p = {p.x / 128 * 128, p.y / 128 * 128};  // samples on edges
     for (Point& p : v) p.y += (tile_y - tile_x) * 256;
     for (Point& p : v) p = {std::clamp<int64_t>(p.x, kMinFx8, kMaxFx8), std::clamp<int64_t>(p.y, kMinFx8, kMaxFx8)};
     const Triangle t = make_triangle(v);
@@ -110,7 +114,8 @@ TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
       }
     }
     for (const Isa isa : isas()) {
-      ASSERT_EQ(tile_pixels(cover_function(isa), t, tile_x, tile_y, size), expected) << "triangle " << i << " isa " << static_cast<int>(isa);
+      ASSERT_EQ(tile_pixels(cover_function(isa), t, tile_x, tile_y, size), expected)
+          << "triangle " << i << " isa " << static_cast<int>(isa);
     }
   }
 }
@@ -126,7 +131,8 @@ TEST(Coverage, ExtremeTrianglesDoNotOverflow) {
       for (const Isa isa : isas()) {
         const std::vector<bool> got = tile_pixels(cover_function(isa), make_triangle(v), at, at, 64);
         for (int32_t i = 0; i < 64 * 64; ++i) {
-          ASSERT_EQ(got[static_cast<size_t>(i)], covers(v, {(at + i % 64) * 256 + 128, (at + i / 64) * 256 + 128})) << at << " pixel " << i;
+          ASSERT_EQ(got[static_cast<size_t>(i)], covers(v, {(at + i % 64) * 256 + 128, (at + i / 64) * 256 + 128}))
+              << at << " pixel " << i;
         }
       }
     }
@@ -140,7 +146,8 @@ TEST(Coverage, SharedEdgesCoverEveryPixelOnce) {
   std::mt19937 rng(kSeed);
   for (const uint32_t tile : {16u, 32u, 64u}) {
     for (const int cells : {3, 17, 60}) {
-      // Positions are multiples of 1/256 px in a 128 px viewport, so every shared vertex snaps alike by construction of the pipeline too.
+      // Positions are multiples of 1/256 px in a 128 px viewport, so every shared vertex snaps alike by construction of the
+      // pipeline too.
       std::vector<Point> grid;
       const int n = cells + 1;
       const double step = 128.0 * 256 / cells;
@@ -172,7 +179,8 @@ TEST(Coverage, SharedEdgesCoverEveryPixelOnce) {
       Pass pass(pool, target.desc(), options);
       pass.draw(draw.packet(kSize, kSize));
       pass.end();
-      for (uint32_t i = 0; i < kSize * kSize; ++i) ASSERT_EQ(target.color[i], 1u) << "pixel " << i << " tile " << tile << " cells " << cells;
+      for (uint32_t i = 0; i < kSize * kSize; ++i)
+        ASSERT_EQ(target.color[i], 1u) << "pixel " << i << " tile " << tile << " cells " << cells;
     }
   }
 }

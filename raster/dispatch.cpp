@@ -9,10 +9,10 @@
 namespace pineda::raster {
 namespace {
 
-constexpr uint32_t kGroupsPerCall = 64;                   // PrimRecords given to the kernel at once
-constexpr uint32_t kSharedBytesPerCall = 16 << 10;        // their shared memory should stay in L1
-constexpr uint64_t kInvocationsPerChunk = 2048;           // below this a hand-over costs more than the work of a simple kernel
-constexpr uint32_t kChunksPerThread = 16;                 // for balance
+constexpr uint32_t kGroupsPerCall = 64;             // PrimRecords given to the kernel at once
+constexpr uint32_t kSharedBytesPerCall = 16 << 10;  // their shared memory should stay in L1
+constexpr uint64_t kInvocationsPerChunk = 2048;     // below this a hand-over costs more than the work of a simple kernel
+constexpr uint32_t kChunksPerThread = 16;           // for balance
 constexpr size_t kSharedAlignment = 64;
 
 // Memory of one thread during one dispatch.
@@ -43,9 +43,9 @@ class Dispatcher {
         invocations_(uint64_t{packet.local_size[0]} * packet.local_size[1] * packet.local_size[2]),
         waves_(make_waves(invocations_)),
         shared_stride_((packet.shared_memory_bytes + kSharedAlignment - 1) / kSharedAlignment * kSharedAlignment),
-        groups_per_call_(packet.shared_memory_bytes == 0
-                             ? kGroupsPerCall
-                             : static_cast<uint32_t>(std::clamp<size_t>(kSharedBytesPerCall / shared_stride_, 1, kGroupsPerCall))),
+        groups_per_call_(packet.shared_memory_bytes == 0 ? kGroupsPerCall
+                                                         : static_cast<uint32_t>(std::clamp<size_t>(
+                                                               kSharedBytesPerCall / shared_stride_, 1, kGroupsPerCall))),
         scratch_(pool.threads()) {}
 
   // Workgroups [first, end) in x-fastest order.
@@ -98,9 +98,8 @@ void dispatch(ThreadPool& pool, const DispatchPacket& packet) {
   const uint64_t smallest = std::max<uint64_t>(1, kInvocationsPerChunk / dispatcher.invocations());
   const uint64_t chunk = std::max((groups + target_chunks - 1) / target_chunks, smallest);
   const auto chunks = static_cast<uint32_t>((groups + chunk - 1) / chunk);
-  pool.parallel_for(chunks, [&](uint32_t i, uint32_t thread) {
-    dispatcher.run(i * chunk, std::min(groups, (i + 1) * chunk), thread);
-  });
+  pool.parallel_for(chunks,
+                    [&](uint32_t i, uint32_t thread) { dispatcher.run(i * chunk, std::min(groups, (i + 1) * chunk), thread); });
 }
 
 }  // namespace pineda::raster

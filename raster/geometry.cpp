@@ -17,8 +17,12 @@ float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, co
   const double slope = dzdx > dzdy ? dzdx : dzdy;
   double r;
   switch (format) {
-    case VK_FORMAT_D16_UNORM: r = 0x1p-16; break;
-    case VK_FORMAT_X8_D24_UNORM_PACK32: r = 0x1p-24; break;
+    case VK_FORMAT_D16_UNORM:
+      r = 0x1p-16;
+      break;
+    case VK_FORMAT_X8_D24_UNORM_PACK32:
+      r = 0x1p-24;
+      break;
     default: {
       const float largest = std::max({std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
       r = largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 23) : 0;
@@ -30,12 +34,14 @@ float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, co
   return bias;
 }
 
-bool is_culled(const DrawPacket& packet, bool front) { return (packet.cull & (front ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT)) != 0; }
+bool is_culled(const DrawPacket& packet, bool front) {
+  return (packet.cull & (front ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT)) != 0;
+}
 
 }  // namespace
 
-inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v,
-                                  uint16_t provoking, int facing) {
+inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint32_t primitive_id,
+                                  const std::array<uint16_t, 3>& v, uint16_t provoking, int facing) {
   const WindowVertices& w = *view.window;
   // Scalars, not arrays: the compiler would copy arrays in wider pieces than it has just stored, and wait for them.
   const int32_t x0 = w.x_fx8[v[0]], x1 = w.x_fx8[v[1]], x2 = w.x_fx8[v[2]];
@@ -69,8 +75,10 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
   t.vertex[0] = v[0];
   t.vertex[1] = v[1];
   t.vertex[2] = v[2];
-  t.provoking_and_flags = static_cast<uint16_t>(provoking | (front ? Triangle::kFront : 0) | (area > 0 ? Triangle::kClockwise : 0));
-  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
+  t.provoking_and_flags =
+      static_cast<uint16_t>(provoking | (front ? Triangle::kFront : 0) | (area > 0 ? Triangle::kClockwise : 0));
+  if (draw.packet.depth_bias)
+    t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
   binner_.add(draw, t, index, bounds);
 }
 
@@ -177,7 +185,8 @@ uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ra
   uint64_t done = 0;
   bool full = false;
   // On a grid of very many tiles even one batch of screen-sized triangles would be too much.
-  const auto batch_prims = static_cast<uint32_t>(std::clamp<size_t>(2 * kMaxChunkEntries / std::max(1u, grid.count()), kLanes, kBatchPrims));
+  const auto batch_prims =
+      static_cast<uint32_t>(std::clamp<size_t>(2 * kMaxChunkEntries / std::max(1u, grid.count()), kLanes, kBatchPrims));
   for (const PrimRange& range : ranges) {
     for (uint32_t i = 0; i < range.count && !full;) {
       const uint32_t count = std::min(range.count - i, batch_prims);

@@ -14,8 +14,8 @@ namespace pineda::raster {
 // One thread's geometry. Reused from chunk to chunk.
 class GeometryWorker {
  public:
-  // Runs the ranges into `chunk`, which is empty. Returns how many primitives of the concatenated ranges were done: fewer than all when the
-  // chunk has become too large (huge triangles over many tiles).
+  // Runs the ranges into `chunk`, which is empty. Returns how many primitives of the concatenated ranges were done: fewer than
+  // all when the chunk has become too large (huge triangles over many tiles).
   uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, Chunk& chunk);
 
   PassStatistics statistics{};
@@ -32,7 +32,8 @@ class GeometryWorker {
     uint32_t batch;
   };
   // Culls, fills a record and bins it. `facing`: 0 or the sign that the triangle's area must have (pieces of a clipped triangle).
-  void setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking, int facing);
+  void setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
+             int facing);
 
   Chunk* chunk_ = nullptr;
   Binner binner_;

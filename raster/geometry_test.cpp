@@ -1,10 +1,10 @@
 // Input assembly, culling, clipping and the planes of interpolation.
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cfloat>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 #include "raster/assemble.h"
 #include "raster/clip.h"
@@ -60,7 +60,8 @@ TEST(Assemble, RestartBeginsANewStrip) {
 
 TEST(Assemble, IndicesOfEveryTypeAndPastTheEnd) {
   const uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
-  const IndexReader r8({bytes, 9, VK_INDEX_TYPE_UINT8_EXT}), r16({bytes, 9, VK_INDEX_TYPE_UINT16}), r32({bytes, 9, VK_INDEX_TYPE_UINT32});
+  const IndexReader r8({bytes, 9, VK_INDEX_TYPE_UINT8_EXT}), r16({bytes, 9, VK_INDEX_TYPE_UINT16}),
+      r32({bytes, 9, VK_INDEX_TYPE_UINT32});
   EXPECT_EQ(r8.read(8), 9u);
   EXPECT_EQ(r8.read(9), 0u);
   EXPECT_EQ(r16.read(3), 0x0807u);
@@ -132,10 +133,12 @@ TEST(Assemble, HostileIndicesAndCountsAreHarmless) {
 }
 
 TEST(Assemble, InstancesAndPrimitiveIds) {
-  TestDraw draw(4, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
-    for_fragments(thread, prims, count, waves,
-                  [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) { *color += 1 + 16 * p.primitive_id; });
-  });
+  TestDraw draw(
+      4, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+        for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) {
+          *color += 1 + 16 * p.primitive_id;
+        });
+      });
   // Two triangles, 4 px wide at the top, side by side; instance i is moved by i / 8 in clip space: 8 px.
   for (const float x : {0.0f, 4.0f}) {
     add_window_vertex(draw, 128, 128, x, 0);
@@ -159,11 +162,14 @@ TEST(Assemble, InstancesAndPrimitiveIds) {
 TEST(Setup, CullModesAndFacing) {
   for (const bool clockwise : {false, true}) {
     for (const VkFrontFace front_face : {VK_FRONT_FACE_COUNTER_CLOCKWISE, VK_FRONT_FACE_CLOCKWISE}) {
-      for (const VkCullModeFlags cull : {VK_CULL_MODE_NONE, VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT, VK_CULL_MODE_FRONT_AND_BACK}) {
-        TestDraw draw(4, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
-          for_fragments(thread, prims, count, waves,
-                        [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) { *color = 1 + p.front_facing; });
-        });
+      for (const VkCullModeFlags cull :
+           {VK_CULL_MODE_NONE, VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT, VK_CULL_MODE_FRONT_AND_BACK}) {
+        TestDraw draw(
+            4, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+              for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) {
+                *color = 1 + p.front_facing;
+              });
+            });
         // On the screen, y down: right then down is clockwise.
         add_window_vertex(draw, 64, 64, 10, 10);
         add_window_vertex(draw, 64, 64, clockwise ? 50 : 10, clockwise ? 10 : 50);
@@ -192,7 +198,8 @@ TEST(Setup, DepthBiasMovesDepth) {
   const auto depth_at_center = [](float constant, float slope, float clamp) {
     TestDraw draw(4, mix_kernel);
     draw.constants.depth_test = draw.constants.depth_write = 1;
-    for (const auto& p : {std::array{0.f, 0.f, 0.0f}, {64.f, 0.f, 0.75f}, {0.f, 64.f, 0.0f}}) add_window_vertex(draw, 64, 64, p[0], p[1], p[2]);
+    for (const auto& p : {std::array{0.f, 0.f, 0.0f}, {64.f, 0.f, 0.75f}, {0.f, 64.f, 0.0f}})
+      add_window_vertex(draw, 64, 64, p[0], p[1], p[2]);
     draw.packet_base.depth_bias = true;
     draw.packet_base.depth_bias_constant = constant;
     draw.packet_base.depth_bias_slope = slope;
@@ -264,8 +271,8 @@ TEST(Clip, VerticesStayInsideAndSharedEdgesAgree) {
   EXPECT_GT(crossing, 100);
 }
 
-// The picture of a clipped triangle against the definition: a pixel is covered when its homogeneous barycentrics are all positive (Olano and
-// Greer, 1997), and depth is inside [0, 1]. Pixels closer to an edge than the snapping can move it are not judged.
+// The picture of a clipped triangle against the definition: a pixel is covered when its homogeneous barycentrics are all positive
+// (Olano and Greer, 1997), and depth is inside [0, 1]. Pixels closer to an edge than the snapping can move it are not judged.
 TEST(Clip, PicturesMatchHomogeneousRasterization) {
   constexpr uint32_t kSeed = 4242;
   constexpr int kSize = 64;
@@ -273,11 +280,12 @@ TEST(Clip, PicturesMatchHomogeneousRasterization) {
   std::uniform_real_distribution<float> d(-1.5f, 1.5f);
   int judged = 0, covered = 0, clipped = 0;
   for (int i = 0; i < 400; ++i) {
-    TestDraw draw(5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
-      for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) {
-        *color += static_cast<uint32_t>(flat_attribute(p, 4));
-      });
-    });
+    TestDraw draw(
+        5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+          for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) {
+            *color += static_cast<uint32_t>(flat_attribute(p, 4));
+          });
+        });
     double m[3][4];
     for (auto& v : m) {
       for (double& c : v) c = d(rng) * (i % 4 == 0 ? 100 : 1);
@@ -315,10 +323,13 @@ TEST(Clip, PicturesMatchHomogeneousRasterization) {
         // Judged only where the neighbourhood agrees: 1/16 px is far more than snapping and the f32 of the cuts can move an edge.
         const double r = 1.0 / 16, cx = x + 0.5, cy = y + 0.5;
         const bool in = inside(cx, cy);
-        if (inside(cx - r, cy - r) != in || inside(cx + r, cy - r) != in || inside(cx - r, cy + r) != in || inside(cx + r, cy + r) != in) continue;
+        if (inside(cx - r, cy - r) != in || inside(cx + r, cy - r) != in || inside(cx - r, cy + r) != in ||
+            inside(cx + r, cy + r) != in)
+          continue;
         ++judged;
         covered += in;
-        ASSERT_EQ(target.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y)), in ? 1u : 0u) << "triangle " << i << " at " << x << ' ' << y;
+        ASSERT_EQ(target.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y)), in ? 1u : 0u)
+            << "triangle " << i << " at " << x << ' ' << y;
       }
     }
   }
@@ -361,7 +372,9 @@ TEST(Clip, HostileFloatsNeverCrash) {
     draw.packet_base.depth_clamp = i % 2 == 0;
     draw.packet_base.depth_bias = i % 3 == 0;
     draw.packet_base.depth_bias_slope = 1e30f;
-    if (i % 4 == 0) draw.packet_base.viewport = {specials[rng() % 13], specials[rng() % 13], specials[rng() % 13] + 1, specials[rng() % 13], 0, 1};
+    if (i % 4 == 0)
+      draw.packet_base.viewport = {
+          specials[rng() % 13], specials[rng() % 13], specials[rng() % 13] + 1, specials[rng() % 13], 0, 1};
     draw_once(draw, 16, nullptr, 16);
   }
 }
@@ -389,7 +402,8 @@ struct Worst {
   uint64_t fragments = 0;
 };
 
-void interpolation_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+void interpolation_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count,
+                          const void* waves) {
   Worst& worst = *static_cast<Worst*>(const_cast<void*>(static_cast<const DrawContext*>(draw)->sets[0]));
   for_fragments(thread, prims, count, waves, [&](const FragmentPrim& p, uint32_t*, float*, uint32_t x, uint32_t y) {
     const Barycentrics b = barycentrics(p, x, y);
@@ -404,7 +418,8 @@ void interpolation_kernel(const KernelHandle*, const void* draw, void* thread, c
       iw[k] = 1 / w;
       a[k] = v[4 * kLanes];
     }
-    const double x1 = sx[1] - sx[0], y1 = sy[1] - sy[0], x2 = sx[2] - sx[0], y2 = sy[2] - sy[0], px = x + 0.5 - sx[0], py = y + 0.5 - sy[0];
+    const double x1 = sx[1] - sx[0], y1 = sy[1] - sy[0], x2 = sx[2] - sx[0], y2 = sy[2] - sy[0], px = x + 0.5 - sx[0],
+                 py = y + 0.5 - sy[0];
     const double area = x1 * y2 - y1 * x2;
     if (std::fabs(area) < 20) return;  // the bound below is for well-shaped triangles
     const double l1 = (px * y2 - py * x2) / area, l2 = (py * x1 - px * y1) / area, l0 = 1 - l1 - l2;
@@ -433,8 +448,9 @@ TEST(Interpolation, PlanesAgreeWithDouble) {
   pass.draw(draw.packet(128, 128));
   pass.end();
   EXPECT_GT(worst.fragments, 100000u);
-  // Area >= 20 px^2 with edges below 310 px: |l_d| <= 310 / 20, so terms of l reach 310 * 15.5 = 4805 in the worst shape; 3 roundings of 2^-24 each
-  // give 9e-4. What typical shapes give is far below; this bound is for the sliver that the seed contains.
+  // Area >= 20 px^2 with edges below 310 px: |l_d| <= 310 / 20, so terms of l reach 310 * 15.5 = 4805 in the worst shape; 3
+  // roundings of 2^-24 each give 9e-4. What typical shapes give is far below; this bound is for the sliver that the seed
+  // contains.
   EXPECT_LT(worst.l, 9e-4);
   EXPECT_LT(worst.z, 2 * 9e-4);
   EXPECT_LT(worst.attribute, 6 * 9e-4);  // w varies by a factor 5 at most

@@ -14,8 +14,9 @@
 namespace pineda::raster {
 
 // ---- fixed point ----------------------------------------------------------------------------------------------------------
-// Window coordinates are snapped to 1/256 px (subPixelPrecisionBits = 8), "fx8". A vertex that reaches setup lies inside the guard band, so
-// the difference of two coordinates stays below 49154 px * 256 < 2^23.6; coverage.h builds its overflow proof on that.
+// Window coordinates are snapped to 1/256 px (subPixelPrecisionBits = 8), "fx8". A vertex that reaches setup lies inside the
+// guard band, so the difference of two coordinates stays below 49154 px * 256 < 2^23.6; coverage.h builds its overflow proof on
+// that.
 inline constexpr int32_t kSubpixels = 256;
 inline constexpr float kGuardMinPx = -16384, kGuardMaxPx = 32768;
 inline constexpr int32_t kMinFx8 = (-16384 - 1) * kSubpixels;  // one pixel of slack for the rounding of clipped coordinates
@@ -35,7 +36,8 @@ inline Rect intersect(const Rect& a, const Rect& b) {
 inline Rect to_rect(const VkRect2D& r) {
   static constexpr int64_t kLimit = 1 << 20;  // larger than any framebuffer
   const auto clamp = [](int64_t v) { return static_cast<int32_t>(std::clamp<int64_t>(v, -kLimit, kLimit)); };
-  return {clamp(r.offset.x), clamp(r.offset.y), clamp(int64_t{r.offset.x} + r.extent.width), clamp(int64_t{r.offset.y} + r.extent.height)};
+  return {clamp(r.offset.x), clamp(r.offset.y), clamp(int64_t{r.offset.x} + r.extent.width),
+          clamp(int64_t{r.offset.y} + r.extent.height)};
 }
 
 // ---- memory ---------------------------------------------------------------------------------------------------------------
@@ -126,8 +128,9 @@ class Arena {
 struct ViewportTransform {
   float scale_x_fx8, offset_x_fx8, scale_y_fx8, offset_y_fx8;
   float scale_z, offset_z;
-  float guard_x_min, guard_x_max, guard_y_min, guard_y_max;  // in normalised device coordinates: inside when min * w <= x <= max * w
-  bool clip_depth;                                           // 0 <= z <= w; off with depth clamp
+  float guard_x_min, guard_x_max, guard_y_min,
+      guard_y_max;  // in normalised device coordinates: inside when min * w <= x <= max * w
+  bool clip_depth;  // 0 <= z <= w; off with depth clamp
 };
 ViewportTransform make_viewport_transform(const VkViewport& viewport, bool depth_clamp);
 
@@ -137,15 +140,15 @@ enum class HiZMode : uint8_t { kNone, kLess, kGreater };
 struct Draw {
   DrawPacket packet;
   ViewportTransform viewport;
-  Rect rect;                       // pixels that may be drawn: scissor, render area, framebuffer
+  Rect rect;  // pixels that may be drawn: scissor, render area, framebuffer
   uint64_t prims_per_instance = 0;
   std::vector<std::array<uint32_t, 3>> restart_prims;  // positions in the index buffer of each primitive, when restart is on
   HiZMode hi_z = HiZMode::kNone;
   VkFormat depth_format = VK_FORMAT_UNDEFINED;  // of the pass, for depth bias
   bool writes_depth = false;
   bool keeps_less = true, keeps_greater = true;  // its depth writes only lower (raise) what is stored
-  bool can_cover = false;          // a full cover of a tile makes earlier work invisible
-  bool blocks_cover = false;       // its work is visible whatever comes later (side effects, depth)
+  bool can_cover = false;                        // a full cover of a tile makes earlier work invisible
+  bool blocks_cover = false;                     // its work is visible whatever comes later (side effects, depth)
   // vkCmdClearAttachments instead of a draw
   bool is_clear = false;
   uint32_t clear_attachment = 0;
@@ -161,15 +164,15 @@ struct Batch {
   const float* vertices;
 };
 
-// One triangle, one cache line. Vertex 0 is the origin of interpolation (and, unless clipped away, the provoking vertex). Planes and edges
-// are formed from it in the tiles that really draw it.
+// One triangle, one cache line. Vertex 0 is the origin of interpolation (and, unless clipped away, the provoking vertex). Planes
+// and edges are formed from it in the tiles that really draw it.
 struct alignas(64) Triangle {
   int32_t x_fx8[3], y_fx8[3];
-  float z0, dz1, dz2;       // window depth of vertex 0 with bias; differences without
-  float iw[3];              // 1 / w
+  float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without
+  float iw[3];         // 1 / w
   uint32_t primitive_id;
-  uint32_t batch;           // in the chunk
-  uint16_t vertex[3];       // in the batch
+  uint32_t batch;                // in the chunk
+  uint16_t vertex[3];            // in the batch
   uint16_t provoking_and_flags;  // vertex in the batch, and:
   static constexpr uint16_t kFront = 0x8000, kClockwise = 0x4000, kProvokingMask = 0x3FFF;
 };
@@ -185,12 +188,13 @@ inline Rect pixel_bounds(int32_t x0, int32_t x1, int32_t x2, int32_t y0, int32_t
 // The triangles of one chunk that touch one tile.
 struct Segment {
   uint32_t tile;
-  uint32_t first, count;   // in Chunk::entries
-  uint32_t cover;          // 1 + position in the segment of the last cover that makes everything before it invisible; 0: none
+  uint32_t first, count;  // in Chunk::entries
+  uint32_t cover;         // 1 + position in the segment of the last cover that makes everything before it invisible; 0: none
   bool blocks_cover;
 };
 
-inline constexpr uint32_t kEntryCovers = 1u << 31;  // the triangle covers the whole tile; the other bits are its index in Chunk::triangles
+inline constexpr uint32_t kEntryCovers =
+    1u << 31;  // the triangle covers the whole tile; the other bits are its index in Chunk::triangles
 
 // A fixed amount of primitives, in API order: what one geometry job makes.
 struct Chunk {

@@ -12,14 +12,15 @@
 namespace pineda::raster {
 namespace {
 
-constexpr float kMargin = 0x1p-19f;      // twice the bound of the header, and its own rounding
-constexpr float kFixedPointMargin = 4;   // steps of a fixed-point depth: rounding to it, by the kernel and here
+constexpr float kMargin = 0x1p-19f;     // twice the bound of the header, and its own rounding
+constexpr float kFixedPointMargin = 4;  // steps of a fixed-point depth: rounding to it, by the kernel and here
 
 // Largest of 16 numbers; NaN count for nothing (no comparison with them passes).
 float largest(const float* v, bool negate) {
   const __m128 sign = negate ? _mm_set1_ps(-0.0f) : _mm_setzero_ps();
   __m128 m = _mm_set1_ps(-std::numeric_limits<float>::infinity());
-  for (int i = 0; i < 16; i += 4) m = _mm_max_ps(_mm_xor_ps(_mm_load_ps(v + i), sign), m);  // maxps gives its second operand for NaN
+  for (int i = 0; i < 16; i += 4)
+    m = _mm_max_ps(_mm_xor_ps(_mm_load_ps(v + i), sign), m);  // maxps gives its second operand for NaN
   m = _mm_max_ps(m, _mm_movehl_ps(m, m));
   m = _mm_max_ss(m, _mm_shuffle_ps(m, m, 1));
   return _mm_cvtss_f32(m);
@@ -113,9 +114,15 @@ void HiZ::refresh(uint32_t block) {
   const uint8_t* texels = depth_ + block * kLanes * depth_bytes(format_);
   const bool negate = direction_ == HiZMode::kGreater;
   switch (format_) {
-    case VK_FORMAT_D32_SFLOAT: farthest_[block] = largest(reinterpret_cast<const float*>(texels), negate); break;
-    case VK_FORMAT_D16_UNORM: farthest_[block] = largest_fixed<uint16_t>(texels, 16, negate); break;
-    default: farthest_[block] = largest_fixed<uint32_t>(texels, 24, negate); break;
+    case VK_FORMAT_D32_SFLOAT:
+      farthest_[block] = largest(reinterpret_cast<const float*>(texels), negate);
+      break;
+    case VK_FORMAT_D16_UNORM:
+      farthest_[block] = largest_fixed<uint16_t>(texels, 16, negate);
+      break;
+    default:
+      farthest_[block] = largest_fixed<uint32_t>(texels, 24, negate);
+      break;
   }
 }
 
@@ -134,7 +141,8 @@ uint32_t HiZ::survivors(uint32_t macro, uint32_t wanted, const TriangleDepth& de
     const __m128 x = _mm_add_ps(_mm_set_ps(1, 0, 1, 0), _mm_set1_ps(qx)), y = _mm_add_ps(_mm_set_ps(1, 1, 0, 0), _mm_set1_ps(qy));
     const __m128 plane = _mm_add_ps(base, _mm_add_ps(_mm_mul_ps(dx, x), _mm_mul_ps(dy, y)));
     const __m128 nearest = _mm_min_ps(ceiling, _mm_max_ps(plane, least));  // a NaN goes through and hides nothing
-    hidden |= static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpgt_ps(nearest, _mm_load_ps(farthest_ + macro * kLanes + q * 4)))) << 4 * q;
+    hidden |= static_cast<uint32_t>(_mm_movemask_ps(_mm_cmpgt_ps(nearest, _mm_load_ps(farthest_ + macro * kLanes + q * 4))))
+              << 4 * q;
   }
   return wanted & ~hidden;
 }

@@ -1,11 +1,11 @@
-// Hi-Z of one tile: for every 4x4 block a bound of the depths stored in it, so that blocks whose every fragment must fail the depth test are left
-// out before shading.
+// Hi-Z of one tile: for every 4x4 block a bound of the depths stored in it, so that blocks whose every fragment must fail the
+// depth test are left out before shading.
 //
-// Why no bit can change: a block's bound is formed from the depth buffer itself and stays true while writes only move depths away from it (LESS
-// writes only lower them), also for waves that are still queued; before a draw that could move them the other way the tile forgets
-// its bounds. The triangle's side of the comparison has a margin for the rounding of the kernel's own
-// z = z0 + l1 * dz1 + l2 * dz2: with S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below
-// 8 * 2^-24 * (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|); the plane below has as many again.
+// Why no bit can change: a block's bound is formed from the depth buffer itself and stays true while writes only move depths away
+// from it (LESS writes only lower them), also for waves that are still queued; before a draw that could move them the other way
+// the tile forgets its bounds. The triangle's side of the comparison has a margin for the rounding of the kernel's own z = z0 +
+// l1 * dz1 + l2 * dz2: with S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below 8 * 2^-24 *
+// (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|); the plane below has as many again.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace pineda::raster {
 
 bool hi_z_supports(VkFormat depth_format);
 
-// A triangle's depth over a tile: every fragment of block (bx, by) has at least min(ceiling, max(least, at_origin + bx * dx + by * dy)).
-// Depths are negated when the test asks for greater ones.
+// A triangle's depth over a tile: every fragment of block (bx, by) has at least min(ceiling, max(least, at_origin + bx * dx + by
+// * dy)). Depths are negated when the test asks for greater ones.
 struct TriangleDepth {
   float least;
   float at_origin, dx_block, dy_block;
@@ -50,9 +50,10 @@ class HiZ {
   const uint8_t* depth_ = nullptr;
   uint32_t macros_ = 0;
   bool uniform_ = false;
-  HiZMode direction_ = HiZMode::kNone;   // which way farthest_ bounds
+  HiZMode direction_ = HiZMode::kNone;  // which way farthest_ bounds
   uint16_t queued_[kMacros] = {}, stale_[kMacros] = {};
-  alignas(64) float farthest_[kMaxTileBlocks];  // kLess: at least every depth of the block; kGreater: at least every negated depth
+  alignas(
+      64) float farthest_[kMaxTileBlocks];  // kLess: at least every depth of the block; kGreater: at least every negated depth
 };
 
 }  // namespace pineda::raster

@@ -7,9 +7,12 @@ namespace {
 
 uint32_t index_shift(VkIndexType type) {
   switch (type) {
-    case VK_INDEX_TYPE_UINT8_EXT: return 0;
-    case VK_INDEX_TYPE_UINT16: return 1;
-    default: return 2;
+    case VK_INDEX_TYPE_UINT8_EXT:
+      return 0;
+    case VK_INDEX_TYPE_UINT16:
+      return 1;
+    default:
+      return 2;
   }
 }
 
@@ -34,9 +37,15 @@ void IndexReader::read(uint64_t first, uint32_t count, uint32_t* out) const {
   const auto inside = static_cast<uint32_t>(first >= count_ ? 0 : std::min<uint64_t>(count, count_ - first));
   const uint8_t* data = data_ + (inside != 0 ? first << shift_ : 0);
   switch (shift_) {
-    case 0: widen<uint8_t>(data, inside, out); break;
-    case 1: widen<uint16_t>(data, inside, out); break;
-    default: widen<uint32_t>(data, inside, out); break;
+    case 0:
+      widen<uint8_t>(data, inside, out);
+      break;
+    case 1:
+      widen<uint16_t>(data, inside, out);
+      break;
+    default:
+      widen<uint32_t>(data, inside, out);
+      break;
   }
   std::fill(out + inside, out + count, 0u);
 }

@@ -19,7 +19,8 @@ class IndexReader {
   uint32_t read(uint64_t position) const {
     if (position >= count_) return 0;
     switch (shift_) {
-      case 0: return data_[position];
+      case 0:
+        return data_[position];
       case 1: {
         uint16_t index;
         std::memcpy(&index, data_ + position * 2, 2);
@@ -38,8 +39,8 @@ class IndexReader {
 
  private:
   const uint8_t* data_;
-  uint64_t count_;       // whole indices in the buffer
-  uint32_t shift_;       // log2 of the bytes of an index
+  uint64_t count_;  // whole indices in the buffer
+  uint32_t shift_;  // log2 of the bytes of an index
   uint32_t restart_value_;
 };
 

@@ -9,16 +9,16 @@ namespace pineda::raster {
 
 // The instruction set that coverage uses.
 enum class Isa { kSse42, kAvx2, kAvx512 };
-Isa best_isa();                                // of this processor
-Isa isa_from_name(const std::string& name);    // "sse42", "avx2", "avx512"; anything else: the best; never above best_isa()
+Isa best_isa();                              // of this processor
+Isa isa_from_name(const std::string& name);  // "sse42", "avx2", "avx512"; anything else: the best; never above best_isa()
 
 struct Options {
-  uint32_t tile_px = 0;             // 16, 32 or 64; 0: chosen from the attachments
-  bool hi_z = true;                 // reject blocks by a conservative depth range
-  bool fast_clear = true;           // fill untouched tiles straight in memory
-  bool opaque = true;               // opaque full-tile covers drop what lies under them
-  size_t bin_budget_bytes = size_t{128} << 20;  // geometry kept between flushes
-  uint32_t chunk_prims = 4096;      // primitives that one geometry job takes
+  uint32_t tile_px = 0;                        // 16, 32 or 64; 0: chosen from the attachments
+  bool hi_z = true;                            // reject blocks by a conservative depth range
+  bool fast_clear = true;                      // fill untouched tiles straight in memory
+  bool opaque = true;                          // opaque full-tile covers drop what lies under them
+  size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
+  uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
   Isa isa = Isa::kSse42;
   bool print_statistics = false;
 };

@@ -6,8 +6,8 @@
 #include "base/format.h"
 #include "base/log.h"
 #include "raster/assemble.h"
-#include "raster/raster.h"
 #include "raster/pass_state.h"
+#include "raster/raster.h"
 
 namespace pineda::raster {
 namespace {
@@ -22,7 +22,8 @@ PassAttachment make_attachment(const Attachment& in, const std::array<uint8_t, 1
   const uint32_t bytes = texel_bytes(in.format);
   if (!in.address || in.format == VK_FORMAT_UNDEFINED) return a;
   if (bytes != 1 && bytes != 2 && bytes != 4 && bytes != 8 && bytes != 16) {
-    report(Severity::kError, "raster: attachment format " + std::to_string(in.format) + " cannot be rendered to; the attachment is left alone");
+    report(Severity::kError,
+           "raster: attachment format " + std::to_string(in.format) + " cannot be rendered to; the attachment is left alone");
     return a;
   }
   a.address = in.address;
@@ -63,24 +64,28 @@ HiZMode hi_z_mode(const DrawPacket& packet) {
   if (!packet.depth_test || !packet.early_depth) return HiZMode::kNone;
   switch (packet.depth_compare) {
     case VK_COMPARE_OP_LESS:
-    case VK_COMPARE_OP_LESS_OR_EQUAL: return HiZMode::kLess;
+    case VK_COMPARE_OP_LESS_OR_EQUAL:
+      return HiZMode::kLess;
     case VK_COMPARE_OP_GREATER:
-    case VK_COMPARE_OP_GREATER_OR_EQUAL: return HiZMode::kGreater;
-    default: return HiZMode::kNone;
+    case VK_COMPARE_OP_GREATER_OR_EQUAL:
+      return HiZMode::kGreater;
+    default:
+      return HiZMode::kNone;
   }
 }
 
 void print_statistics(const PassStatistics& s, const Rect& area) {
   std::fprintf(stderr,
-               "pineda: pass %dx%d: draws %llu, vertices %llu, triangles in %llu clipped %llu culled %llu binned %llu, bin entries %llu, blocks "
+               "pineda: pass %dx%d: draws %llu, vertices %llu, triangles in %llu clipped %llu culled %llu binned %llu, bin "
+               "entries %llu, blocks "
                "shaded %llu hi-z rejected %llu, tiles touched %llu filled %llu untouched %llu, flushes %llu\n",
-               area.x1 - area.x0, area.y1 - area.y0, static_cast<unsigned long long>(s.draws), static_cast<unsigned long long>(s.vertices_shaded),
-               static_cast<unsigned long long>(s.triangles_in), static_cast<unsigned long long>(s.triangles_clipped),
-               static_cast<unsigned long long>(s.triangles_culled), static_cast<unsigned long long>(s.triangles_binned),
-               static_cast<unsigned long long>(s.bin_entries), static_cast<unsigned long long>(s.blocks_shaded),
-               static_cast<unsigned long long>(s.blocks_hi_z_rejected), static_cast<unsigned long long>(s.tiles_touched),
-               static_cast<unsigned long long>(s.tiles_filled), static_cast<unsigned long long>(s.tiles_untouched),
-               static_cast<unsigned long long>(s.flushes));
+               area.x1 - area.x0, area.y1 - area.y0, static_cast<unsigned long long>(s.draws),
+               static_cast<unsigned long long>(s.vertices_shaded), static_cast<unsigned long long>(s.triangles_in),
+               static_cast<unsigned long long>(s.triangles_clipped), static_cast<unsigned long long>(s.triangles_culled),
+               static_cast<unsigned long long>(s.triangles_binned), static_cast<unsigned long long>(s.bin_entries),
+               static_cast<unsigned long long>(s.blocks_shaded), static_cast<unsigned long long>(s.blocks_hi_z_rejected),
+               static_cast<unsigned long long>(s.tiles_touched), static_cast<unsigned long long>(s.tiles_filled),
+               static_cast<unsigned long long>(s.tiles_untouched), static_cast<unsigned long long>(s.flushes));
 }
 
 }  // namespace
@@ -106,7 +111,8 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
   grid.columns = (static_cast<uint32_t>(grid.area.x1) + tile_px - 1) / tile_px;
   grid.rows = (static_cast<uint32_t>(grid.area.y1) + tile_px - 1) / tile_px;
   scene.tiles.swap(workspace->tiles);
-  if (scene.tiles.size() < grid.count()) scene.tiles.resize(grid.count());  // those that were there are empty and keep their memory
+  if (scene.tiles.size() < grid.count())
+    scene.tiles.resize(grid.count());  // those that were there are empty and keep their memory
   for (uint32_t i = 0; i < grid.count(); ++i) scene.tiles[i].in_memory = false;
 }
 
@@ -114,7 +120,9 @@ void Pass::State::record(const DrawPacket& packet) {
   const Rect rect = intersect(to_rect(packet.scissor), scene.grid.area);
   uint64_t vertices = packet.count;
   if (packet.index.address) {  // triangles of indices past the buffer's end only have no area
-    const uint64_t index_bytes = packet.index.type == VK_INDEX_TYPE_UINT32 ? 4 : packet.index.type == VK_INDEX_TYPE_UINT16 ? 2 : 1;
+    const uint64_t index_bytes = packet.index.type == VK_INDEX_TYPE_UINT32   ? 4
+                                 : packet.index.type == VK_INDEX_TYPE_UINT16 ? 2
+                                                                             : 1;
     const uint64_t in_buffer = packet.index.size_bytes / index_bytes;
     vertices = std::min<uint64_t>(vertices, (in_buffer > packet.first ? in_buffer - packet.first : 0) + 3);
   }
@@ -138,13 +146,15 @@ void Pass::State::record(const DrawPacket& packet) {
   const bool keeps_all = op == VK_COMPARE_OP_EQUAL || op == VK_COMPARE_OP_NEVER;
   draw.keeps_less = keeps_all || op == VK_COMPARE_OP_LESS || op == VK_COMPARE_OP_LESS_OR_EQUAL;
   draw.keeps_greater = keeps_all || op == VK_COMPARE_OP_GREATER || op == VK_COMPARE_OP_GREATER_OR_EQUAL;
-  draw.can_cover = packet.opaque && !packet.has_side_effects && !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
+  draw.can_cover =
+      packet.opaque && !packet.has_side_effects && !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
   draw.blocks_cover = packet.has_side_effects || draw.writes_depth;
   recorded_prims += draw.prims_per_instance * packet.instance_count;
 }
 
 Pass::Pass(ThreadPool& pool, const PassDesc& desc) : Pass(pool, desc, default_options()) {}
-Pass::Pass(ThreadPool& pool, const PassDesc& desc, const Options& options) : state_(std::make_unique<State>(pool, desc, options)) {}
+Pass::Pass(ThreadPool& pool, const PassDesc& desc, const Options& options)
+    : state_(std::make_unique<State>(pool, desc, options)) {}
 Pass::~Pass() = default;
 
 void Pass::draw(const DrawPacket& packet) {

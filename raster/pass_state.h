@@ -30,12 +30,12 @@ struct Pass::State {
   void record(const DrawPacket& packet);
 
   // schedule.cpp
-  void run_recorded(bool last);             // geometry and tiles of all that is recorded
+  void run_recorded(bool last);  // geometry and tiles of all that is recorded
   void plan_window(Cursor& cursor, std::vector<Job>& jobs);
   void run_window(std::vector<Job>& jobs);
   void finish_job(Job& job);
   void commit(std::unique_ptr<Chunk> chunk);
-  void flush(bool last);                    // tiles of all that is committed
+  void flush(bool last);  // tiles of all that is committed
   uint32_t chunk_prims() const;
   GeometryWorker& geometry_worker(uint32_t thread);
   TileWorker& tile_worker(uint32_t thread);

@@ -1,8 +1,8 @@
 // Whole passes with hand-written kernels.
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <memory>
-
-#include <gtest/gtest.h>
 
 #include "raster/test_scene.h"
 
@@ -31,8 +31,8 @@ struct RandomScene {
         const float cx = around(rng), cy = around(rng), cz = unit(rng);
         for (int k = 0; k < 3; ++k) {
           const float w = d % 6 == 4 ? around(rng) + 1.0f : 0.5f + unit(rng);  // some behind the eye
-          draw->add({(cx + size * (unit(rng) - 0.5f)) * w, (cy + size * (unit(rng) - 0.5f)) * w, (cz + 0.2f * unit(rng)) * w, w, unit(rng),
-                     unit(rng)});
+          draw->add({(cx + size * (unit(rng) - 0.5f)) * w, (cy + size * (unit(rng) - 0.5f)) * w, (cz + 0.2f * unit(rng)) * w, w,
+                     unit(rng), unit(rng)});
         }
       }
       draws.push_back(std::move(draw));
@@ -210,13 +210,15 @@ TEST(Pass, ScissorAndRenderArea) {
 
 TEST(Pass, LoadClearAndStoreOperations) {
   for (const bool fast_clear : {false, true}) {
-    for (const VkAttachmentLoadOp load : {VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_LOAD_OP_DONT_CARE}) {
+    for (const VkAttachmentLoadOp load :
+         {VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_LOAD_OP_DONT_CARE}) {
       for (const VkAttachmentStoreOp store : {VK_ATTACHMENT_STORE_OP_STORE, VK_ATTACHMENT_STORE_OP_DONT_CARE}) {
         for (const bool draws : {false, true}) {
           Target target(150, 150);
           std::fill(target.color.begin(), target.color.end(), 0x10u);
           TestDraw draw(4, count_kernel);
-          for (const auto& p : {std::pair{0.f, 0.f}, {8.f, 0.f}, {0.f, 8.f}}) add_window_vertex(draw, 150, 150, p.first, p.second);
+          for (const auto& p : {std::pair{0.f, 0.f}, {8.f, 0.f}, {0.f, 8.f}})
+            add_window_vertex(draw, 150, 150, p.first, p.second);
           ThreadPool pool(2);
           PassDesc desc = target.desc();
           desc.render_area = {{0, 0}, {149, 150}};
@@ -230,7 +232,9 @@ TEST(Pass, LoadClearAndStoreOperations) {
           if (draws) pass.draw(draw.packet(150, 150));
           const PassStatistics statistics = pass.end();
           const bool stored = store == VK_ATTACHMENT_STORE_OP_STORE;
-          const uint32_t background = !stored || load == VK_ATTACHMENT_LOAD_OP_LOAD ? 0x10u : load == VK_ATTACHMENT_LOAD_OP_CLEAR ? 0xFFu : 0u;
+          const uint32_t background = !stored || load == VK_ATTACHMENT_LOAD_OP_LOAD ? 0x10u
+                                      : load == VK_ATTACHMENT_LOAD_OP_CLEAR         ? 0xFFu
+                                                                                    : 0u;
           EXPECT_EQ(target.at(100, 100), background);
           EXPECT_EQ(target.at(20, 20), background);
           EXPECT_EQ(target.at(149, 100), 0x10u) << "outside of the render area";

@@ -1,10 +1,12 @@
-// The rasterizer's public interface: render passes, dispatches, transfers. It receives resolved pointers and kernels (base/abi.h), never objects
-// whose lifetime an application controls, and knows neither LLVM nor Vulkan handles.
+// The rasterizer's public interface: render passes, dispatches, transfers. It receives resolved pointers and kernels
+// (base/abi.h), never objects whose lifetime an application controls, and knows neither LLVM nor Vulkan handles.
 //
-// A pass runs in two phases on the pool: geometry (batches of primitives -> vertex kernel -> clip, cull, setup -> bins), then tiles (each tile:
-// load or clear, triangles in API order -> coverage -> fragment kernel, store). When the bins outgrow their budget the pass is flushed in
-// between, which no bit shows because attachments keep their own precision in a tile.
+// A pass runs in two phases on the pool: geometry (batches of primitives -> vertex kernel -> clip, cull, setup -> bins), then
+// tiles (each tile: load or clear, triangles in API order -> coverage -> fragment kernel, store). When the bins outgrow their
+// budget the pass is flushed in between, which no bit shows because attachments keep their own precision in a tile.
 #pragma once
+
+#include <vulkan/vulkan_core.h>
 
 #include <array>
 #include <cstdint>
@@ -13,8 +15,6 @@
 #include <span>
 #include <vector>
 
-#include <vulkan/vulkan_core.h>
-
 #include "base/abi.h"
 #include "raster/thread_pool.h"
 
@@ -22,9 +22,10 @@ namespace pineda::raster {
 
 // ---- render passes --------------------------------------------------------------------------------------------------------
 
-// One attachment's memory: level and layer are already chosen; texel (x, y) is at address + y * row_pitch_bytes + x * texel bytes.
+// One attachment's memory: level and layer are already chosen; texel (x, y) is at address + y * row_pitch_bytes + x * texel
+// bytes.
 struct Attachment {
-  uint8_t* address = nullptr;     // null: unused
+  uint8_t* address = nullptr;  // null: unused
   uint32_t row_pitch_bytes = 0;
   VkFormat format = VK_FORMAT_UNDEFINED;
   VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
@@ -33,8 +34,8 @@ struct Attachment {
 };
 
 struct PassDesc {
-  VkExtent2D extent{};            // of the framebuffer
-  VkRect2D render_area{};         // clears, loads and stores stay inside it
+  VkExtent2D extent{};     // of the framebuffer
+  VkRect2D render_area{};  // clears, loads and stores stay inside it
   std::array<Attachment, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
   Attachment depth;
@@ -49,16 +50,16 @@ struct IndexBuffer {
 struct DrawPacket {
   // kernels
   KernelHandle vertex, fragment;
-  uint32_t vertex_slots = 4;        // GraphicsKernels::vertex_slots
+  uint32_t vertex_slots = 4;  // GraphicsKernels::vertex_slots
   bool early_depth = false, opaque = false, has_side_effects = false;
   const DrawContext* context = nullptr;  // must live until Pass::end returns
   // input assembly
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   bool primitive_restart = false;
   IndexBuffer index;
-  uint32_t first = 0;               // firstVertex or firstIndex
-  uint32_t count = 0;               // vertices or indices
-  int32_t vertex_offset = 0;        // indexed draws
+  uint32_t first = 0;         // firstVertex or firstIndex
+  uint32_t count = 0;         // vertices or indices
+  int32_t vertex_offset = 0;  // indexed draws
   uint32_t first_instance = 0, instance_count = 1;
   // rasterization
   VkViewport viewport{};
@@ -103,7 +104,7 @@ class Pass {
 struct DispatchPacket {
   KernelHandle kernel;
   const DrawContext* context = nullptr;
-  std::array<uint32_t, 3> base{}, count{};   // workgroups
+  std::array<uint32_t, 3> base{}, count{};  // workgroups
   std::array<uint32_t, 3> local_size{1, 1, 1};
   uint32_t shared_memory_bytes = 0;
 };

@@ -14,15 +14,15 @@ namespace pineda::raster {
 // Entries of one chunk that a tile draws.
 struct TileSegment {
   const Chunk* chunk;
-  uint32_t first, count;   // in Chunk::entries
+  uint32_t first, count;  // in Chunk::entries
 };
 
 // One tile between two flushes, and whether its attachments have been in memory yet.
 struct TileState {
   std::vector<TileSegment> segments;  // in API order
-  bool covered = false;       // the first entry overwrites every colour of the tile
-  bool blocks_cover = false;  // something in the list stays visible under a cover
-  bool in_memory = false;     // an earlier flush stored it: load operations are over
+  bool covered = false;               // the first entry overwrites every colour of the tile
+  bool blocks_cover = false;          // something in the list stays visible under a cover
+  bool in_memory = false;             // an earlier flush stored it: load operations are over
 };
 
 struct Scene {
@@ -32,7 +32,7 @@ struct Scene {
   uint32_t color_count = 0;
   PassAttachment depth;
   std::vector<TileState> tiles;  // grid.count() of them are in use
-  bool last_flush = true;     // DONT_CARE stores are left out only here: before, the tile comes back
+  bool last_flush = true;        // DONT_CARE stores are left out only here: before, the tile comes back
 
   // Appends a chunk's segments to the tiles' lists.
   void commit(const Chunk& chunk);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr uint32_t kMinChunkPrims = 512;
 constexpr size_t kWorstChunkBytes = size_t{2} << 20;  // vertices of a chunk when nothing is shared
-constexpr uint32_t kWindowChunks = 16;     // at least, before memory is looked at
-constexpr uint32_t kDrawCostPrims = 8;     // what starting a draw costs, in primitives
-constexpr uint64_t kSerialPrims = 768;     // less geometry than this is done before a helper wakes up
-constexpr uint64_t kSerialPixels = 64 * 64;  // likewise shading
+constexpr uint32_t kWindowChunks = 16;                // at least, before memory is looked at
+constexpr uint32_t kDrawCostPrims = 8;                // what starting a draw costs, in primitives
+constexpr uint64_t kSerialPrims = 768;                // less geometry than this is done before a helper wakes up
+constexpr uint64_t kSerialPixels = 64 * 64;           // likewise shading
 constexpr uint64_t kSerialEntries = 512;
 constexpr uint32_t kFillTilesPerJob = 8;
 
@@ -96,9 +96,12 @@ void Pass::State::run_window(std::vector<Job>& jobs) {
     job.chunk = workspace->take_chunk();
     prims += job.prims;
   }
-  pool.parallel_for(static_cast<uint32_t>(jobs.size()), [&](uint32_t i, uint32_t thread) {
-    jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, *jobs[i].chunk);
-  }, prims >= kSerialPrims);
+  pool.parallel_for(
+      static_cast<uint32_t>(jobs.size()),
+      [&](uint32_t i, uint32_t thread) {
+        jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, *jobs[i].chunk);
+      },
+      prims >= kSerialPrims);
   for (Job& job : jobs) finish_job(job);
 }
 
@@ -115,7 +118,8 @@ void Pass::State::finish_job(Job& job) {
       if (drop < range.count) rest.push_back({range.draw, range.first + drop, static_cast<uint32_t>(range.count - drop)});
     }
     std::unique_ptr<Chunk> chunk = workspace->take_chunk();
-    pool.parallel_for(1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, *chunk); }, false);
+    pool.parallel_for(
+        1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, *chunk); }, false);
     commit(std::move(chunk));
   }
 }
@@ -143,16 +147,20 @@ void Pass::State::flush(bool last) {
   const auto draw_jobs = static_cast<uint32_t>(touched.size());
   const auto fill_jobs = static_cast<uint32_t>((untouched.size() + kFillTilesPerJob - 1) / kFillTilesPerJob);
   const uint64_t tile_pixels = uint64_t{scene.grid.tile_px * 1u} * static_cast<uint32_t>(scene.grid.tile_px);
-  const bool helpers = (draw_jobs + fill_jobs) > 1 && (touched.size() * tile_pixels > kSerialPixels || entries > kSerialEntries || fill_jobs > 4);
-  pool.parallel_for(draw_jobs + fill_jobs, [&](uint32_t i, uint32_t thread) {
-    TileWorker& worker = tile_worker(thread);
-    if (i < draw_jobs) {
-      worker.run(scene, touched[i], scene.tiles[touched[i]]);
-      return;
-    }
-    const size_t first = size_t{i - draw_jobs} * kFillTilesPerJob, end = std::min(untouched.size(), first + kFillTilesPerJob);
-    for (size_t t = first; t < end; ++t) worker.run_untouched(scene, untouched[t], scene.tiles[untouched[t]]);
-  }, helpers);
+  const bool helpers =
+      (draw_jobs + fill_jobs) > 1 && (touched.size() * tile_pixels > kSerialPixels || entries > kSerialEntries || fill_jobs > 4);
+  pool.parallel_for(
+      draw_jobs + fill_jobs,
+      [&](uint32_t i, uint32_t thread) {
+        TileWorker& worker = tile_worker(thread);
+        if (i < draw_jobs) {
+          worker.run(scene, touched[i], scene.tiles[touched[i]]);
+          return;
+        }
+        const size_t first = size_t{i - draw_jobs} * kFillTilesPerJob, end = std::min(untouched.size(), first + kFillTilesPerJob);
+        for (size_t t = first; t < end; ++t) worker.run_untouched(scene, untouched[t], scene.tiles[untouched[t]]);
+      },
+      helpers);
   if (!touched.empty()) ++statistics.flushes;
   scene.clear_lists();
   for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));

@@ -17,7 +17,7 @@ namespace pineda::raster::testing {
 
 // What the kernels below read of a draw: in DrawContext::push_constants.
 struct Constants {
-  uint32_t slots = 4;        // per vertex
+  uint32_t slots = 4;  // per vertex
   uint32_t color = 0;
   uint32_t depth_test = 0, depth_write = 0;
   VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
@@ -29,7 +29,8 @@ inline Constants constants(const void* draw) {
 }
 
 // Copies vertex `index` of binding 0 (slots x f32); beyond the end: zeros. Instance i moves clip x by i * w / 8.
-inline void vertex_kernel(const KernelHandle*, const void* draw, void*, const PrimRecord* prims, uint32_t prim_count, const void* waves) {
+inline void vertex_kernel(const KernelHandle*, const void* draw, void*, const PrimRecord* prims, uint32_t prim_count,
+                          const void* waves) {
   const auto& context = *static_cast<const DrawContext*>(draw);
   const uint32_t slots = constants(draw).slots;
   const auto& binding = context.vertex_buffers[0];
@@ -69,7 +70,8 @@ inline void for_fragments(void* thread, const PrimRecord* prims, uint32_t prim_c
 }
 
 // attachment 0 += 1
-inline void count_kernel(const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+inline void count_kernel(const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count,
+                         const void* waves) {
   for_fragments(thread, prims, count, waves, [](const FragmentPrim&, uint32_t* color, float*, uint32_t, uint32_t) { ++*color; });
 }
 
@@ -98,19 +100,29 @@ inline float flat_attribute(const FragmentPrim& p, uint32_t slot) {
 
 inline bool passes(VkCompareOp op, float z, float stored) {
   switch (op) {
-    case VK_COMPARE_OP_NEVER: return false;
-    case VK_COMPARE_OP_LESS: return z < stored;
-    case VK_COMPARE_OP_EQUAL: return z == stored;
-    case VK_COMPARE_OP_LESS_OR_EQUAL: return z <= stored;
-    case VK_COMPARE_OP_GREATER: return z > stored;
-    case VK_COMPARE_OP_NOT_EQUAL: return z != stored;
-    case VK_COMPARE_OP_GREATER_OR_EQUAL: return z >= stored;
-    default: return true;
+    case VK_COMPARE_OP_NEVER:
+      return false;
+    case VK_COMPARE_OP_LESS:
+      return z < stored;
+    case VK_COMPARE_OP_EQUAL:
+      return z == stored;
+    case VK_COMPARE_OP_LESS_OR_EQUAL:
+      return z <= stored;
+    case VK_COMPARE_OP_GREATER:
+      return z > stored;
+    case VK_COMPARE_OP_NOT_EQUAL:
+      return z != stored;
+    case VK_COMPARE_OP_GREATER_OR_EQUAL:
+      return z >= stored;
+    default:
+      return true;
   }
 }
 
-// Depth test as the constants say; a fragment that passes mixes everything it knows into attachment 0, in a way that shows the order of fragments.
-inline void mix_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+// Depth test as the constants say; a fragment that passes mixes everything it knows into attachment 0, in a way that shows the
+// order of fragments.
+inline void mix_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count,
+                       const void* waves) {
   const Constants c = constants(draw);
   for_fragments(thread, prims, count, waves, [&](const FragmentPrim& p, uint32_t* color, float* depth, uint32_t x, uint32_t y) {
     const Barycentrics b = barycentrics(p, x, y);
@@ -131,9 +143,11 @@ inline void mix_kernel(const KernelHandle*, const void* draw, void* thread, cons
 }
 
 // attachment 0 = constant colour
-inline void color_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+inline void color_kernel(const KernelHandle*, const void* draw, void* thread, const PrimRecord* prims, uint32_t count,
+                         const void* waves) {
   const uint32_t value = constants(draw).color;
-  for_fragments(thread, prims, count, waves, [&](const FragmentPrim&, uint32_t* color, float*, uint32_t, uint32_t) { *color = value; });
+  for_fragments(thread, prims, count, waves,
+                [&](const FragmentPrim&, uint32_t* color, float*, uint32_t, uint32_t) { *color = value; });
 }
 
 // ---- a scene --------------------------------------------------------------------------------------------------------------
@@ -189,7 +203,8 @@ struct TestDraw {
   }
 };
 
-// A vertex at window position (x, y) px of a width x height viewport. Exact for multiples of 1/256 px when the sizes are powers of two.
+// A vertex at window position (x, y) px of a width x height viewport. Exact for multiples of 1/256 px when the sizes are powers
+// of two.
 inline void add_window_vertex(TestDraw& draw, uint32_t width, uint32_t height, float x, float y, float z = 0.5f, float w = 1.0f) {
   const float xn = x / (static_cast<float>(width) * 0.5f) - 1, yn = y / (static_cast<float>(height) * 0.5f) - 1;
   draw.add({xn * w, yn * w, z * w, w});

@@ -11,7 +11,8 @@
 namespace pineda::raster {
 namespace {
 
-// How long a thread spins before it sleeps. A wake-up costs some 10 us; on small machines spinning takes the core from the application.
+// How long a thread spins before it sleeps. A wake-up costs some 10 us; on small machines spinning takes the core from the
+// application.
 constexpr auto kSpin = std::chrono::microseconds(15);
 
 inline void relax() {
@@ -36,8 +37,8 @@ bool spin_until(Done done) {
 
 }  // namespace
 
-// A job is open while `gate` has kOpen. A worker enters by raising the count in `gate` only while it is open, so the caller, which closes the
-// gate and then waits for the count to reach zero, never takes the job away from under a worker that came late.
+// A job is open while `gate` has kOpen. A worker enters by raising the count in `gate` only while it is open, so the caller,
+// which closes the gate and then waits for the count to reach zero, never takes the job away from under a worker that came late.
 struct ThreadPool::State {
   static constexpr uint32_t kOpen = 1u << 31;
   static constexpr size_t kLine = 64;

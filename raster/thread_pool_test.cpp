@@ -1,11 +1,11 @@
 #include "raster/thread_pool.h"
 
+#include <gtest/gtest.h>
+#include <xmmintrin.h>
+
 #include <atomic>
 #include <thread>
 #include <vector>
-
-#include <gtest/gtest.h>
-#include <xmmintrin.h>
 
 namespace pineda::raster {
 namespace {
@@ -18,11 +18,14 @@ TEST(ThreadPool, RunsEveryIndexOnce) {
       for (const bool helpers : {false, true}) {
         std::vector<std::atomic<uint32_t>> hits(count);
         std::vector<uint32_t> by_thread(threads);  // each thread writes its own
-        pool.parallel_for(count, [&](uint32_t i, uint32_t thread) {
-          ASSERT_LT(thread, threads);
-          ++by_thread[thread];
-          hits[i].fetch_add(1);
-        }, helpers);
+        pool.parallel_for(
+            count,
+            [&](uint32_t i, uint32_t thread) {
+              ASSERT_LT(thread, threads);
+              ++by_thread[thread];
+              hits[i].fetch_add(1);
+            },
+            helpers);
         for (uint32_t i = 0; i < count; ++i) EXPECT_EQ(hits[i].load(), 1u);
         uint32_t sum = 0;
         for (const uint32_t n : by_thread) sum += n;

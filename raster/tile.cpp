@@ -9,7 +9,8 @@
 namespace pineda::raster {
 namespace {
 
-// Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded twice.
+// Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded
+// twice.
 void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   const double x1 = t.x_fx8[1] - t.x_fx8[0], y1 = t.y_fx8[1] - t.y_fx8[0];
   const double x2 = t.x_fx8[2] - t.x_fx8[0], y2 = t.y_fx8[2] - t.y_fx8[0];
@@ -17,7 +18,8 @@ void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   p.x0_px = static_cast<float>(t.x_fx8[0]) * (1.0f / kSubpixels);
   p.y0_px = static_cast<float>(t.y_fx8[0]) * (1.0f / kSubpixels);
   const __m128d scale = _mm_set1_pd(per_px);
-  const __m128 l1 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(-x2, y2), scale)), l2 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(x1, -y1), scale));
+  const __m128 l1 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(-x2, y2), scale)),
+               l2 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(x1, -y1), scale));
   static_assert(offsetof(FragmentPrim, l2_dx) == offsetof(FragmentPrim, l1_dx) + 8);
   _mm_storeu_ps(&p.l1_dx, _mm_movelh_ps(l1, l2));  // l1_dx, l1_dy, l2_dx, l2_dy
   p.z0 = t.z0;
@@ -33,7 +35,8 @@ void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   p.primitive_id = t.primitive_id;
   p.layer = p.viewport_index = 0;
   p.point_size = 1;
-  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) * static_cast<ptrdiff_t>(sizeof(float)));
+  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) *
+                                             static_cast<ptrdiff_t>(sizeof(float)));
 }
 
 }  // namespace
@@ -41,8 +44,8 @@ void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
 // Moves to a tile and makes room for its attachments.
 void TileWorker::place(const Scene& scene, uint32_t tile) {
   const int32_t size = scene.grid.tile_px;
-  position_ = {static_cast<int32_t>(tile % scene.grid.columns) * size, static_cast<int32_t>(tile / scene.grid.columns) * size, size,
-               scene.grid.rect(tile)};
+  position_ = {static_cast<int32_t>(tile % scene.grid.columns) * size, static_cast<int32_t>(tile / scene.grid.columns) * size,
+               size, scene.grid.rect(tile)};
   const auto px = static_cast<size_t>(size) * static_cast<size_t>(size);
   size_t bytes = 0;
   for (uint32_t i = 0; i <= scene.color_count; ++i) {
@@ -179,14 +182,16 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
   const bool is_depth = draw.clear_attachment == Pass::kDepth;
   const PassAttachment& a = is_depth ? scene.depth : scene.color[draw.clear_attachment];
   const Rect in_tile{r.x0 - position_.x_px, r.y0 - position_.y_px, r.x1 - position_.x_px, r.y1 - position_.y_px};
-  fill_tile_rect(a.texel_bytes, draw.clear_texel.data(), in_tile, is_depth ? context_.depth : context_.color[draw.clear_attachment]);
+  fill_tile_rect(a.texel_bytes, draw.clear_texel.data(), in_tile,
+                 is_depth ? context_.depth : context_.color[draw.clear_attachment]);
   if (is_depth && hi_z_on_) hi_z_.forget();
 }
 
 // Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
 uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
   const Rect box = pixel_bounds(t.x_fx8[0], t.x_fx8[1], t.x_fx8[2], t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]);
-  const Rect r = intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
+  const Rect r =
+      intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
   TileEdges edges{};
   if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;

@@ -1,4 +1,5 @@
-// The tile phase: one tile's triangles in API order -> coverage -> Hi-Z -> waves -> fragment kernel, between load and store of the attachments.
+// The tile phase: one tile's triangles in API order -> coverage -> Hi-Z -> waves -> fragment kernel, between load and store of
+// the attachments.
 #pragma once
 
 #include <cstdint>

@@ -133,7 +133,8 @@ struct WholeBlock<16> {
     for (int q = 0; q < 4; ++q) {
       uint8_t* p = m + (q >> 1) * 2 * pitch + (q & 1) * 32;
       __m128 r0 = _mm_castsi128_ps(load16(block + q * 16)), r1 = _mm_castsi128_ps(load16(block + kPlaneBytes + q * 16));
-      __m128 r2 = _mm_castsi128_ps(load16(block + 2 * kPlaneBytes + q * 16)), r3 = _mm_castsi128_ps(load16(block + 3 * kPlaneBytes + q * 16));
+      __m128 r2 = _mm_castsi128_ps(load16(block + 2 * kPlaneBytes + q * 16)),
+             r3 = _mm_castsi128_ps(load16(block + 3 * kPlaneBytes + q * 16));
       _MM_TRANSPOSE4_PS(r0, r1, r2, r3);
       store16(p, _mm_castps_si128(r0));
       store16(p + 16, _mm_castps_si128(r1));
@@ -173,9 +174,14 @@ inline void for_lanes(const Rect& rect, int32_t x, int32_t y, const Each& each) 
 
 template <uint32_t kBytes>
 void load_blocks(const PassAttachment& a, const TilePosition& tile, uint8_t* buffer) {
-  const auto at = [&](int32_t x, int32_t y) { return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes; };
+  const auto at = [&](int32_t x, int32_t y) {
+    return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes;
+  };
   for_blocks(
-      tile, [&](uint32_t block, int32_t x, int32_t y) { WholeBlock<kBytes>::load(at(x, y), a.row_pitch_bytes, buffer + block * kLanes * kBytes); },
+      tile,
+      [&](uint32_t block, int32_t x, int32_t y) {
+        WholeBlock<kBytes>::load(at(x, y), a.row_pitch_bytes, buffer + block * kLanes * kBytes);
+      },
       [&](uint32_t block, int32_t x, int32_t y) {
         uint8_t* b = buffer + block * kLanes * kBytes;
         std::memset(b, 0, kLanes * kBytes);
@@ -185,9 +191,14 @@ void load_blocks(const PassAttachment& a, const TilePosition& tile, uint8_t* buf
 
 template <uint32_t kBytes>
 void store_blocks(const PassAttachment& a, const TilePosition& tile, const uint8_t* buffer) {
-  const auto at = [&](int32_t x, int32_t y) { return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes; };
+  const auto at = [&](int32_t x, int32_t y) {
+    return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes;
+  };
   for_blocks(
-      tile, [&](uint32_t block, int32_t x, int32_t y) { WholeBlock<kBytes>::store(buffer + block * kLanes * kBytes, at(x, y), a.row_pitch_bytes); },
+      tile,
+      [&](uint32_t block, int32_t x, int32_t y) {
+        WholeBlock<kBytes>::store(buffer + block * kLanes * kBytes, at(x, y), a.row_pitch_bytes);
+      },
       [&](uint32_t block, int32_t x, int32_t y) {
         const uint8_t* b = buffer + block * kLanes * kBytes;
         for_lanes(tile.rect, x, y, [&](uint32_t lane, int32_t px, int32_t py) { get_texel(kBytes, b, lane, at(px, py)); });
@@ -203,23 +214,45 @@ void make_block(uint32_t texel_bytes, const uint8_t* texel, uint8_t* block) {
 
 void load_tile(const PassAttachment& a, const TilePosition& tile, uint8_t* buffer) {
   switch (a.texel_bytes) {
-    case 1: load_blocks<1>(a, tile, buffer); break;
-    case 2: load_blocks<2>(a, tile, buffer); break;
-    case 4: load_blocks<4>(a, tile, buffer); break;
-    case 8: load_blocks<8>(a, tile, buffer); break;
-    case 16: load_blocks<16>(a, tile, buffer); break;
-    default: break;  // Pass refuses other sizes
+    case 1:
+      load_blocks<1>(a, tile, buffer);
+      break;
+    case 2:
+      load_blocks<2>(a, tile, buffer);
+      break;
+    case 4:
+      load_blocks<4>(a, tile, buffer);
+      break;
+    case 8:
+      load_blocks<8>(a, tile, buffer);
+      break;
+    case 16:
+      load_blocks<16>(a, tile, buffer);
+      break;
+    default:
+      break;  // Pass refuses other sizes
   }
 }
 
 void store_tile(const PassAttachment& a, const TilePosition& tile, const uint8_t* buffer) {
   switch (a.texel_bytes) {
-    case 1: store_blocks<1>(a, tile, buffer); break;
-    case 2: store_blocks<2>(a, tile, buffer); break;
-    case 4: store_blocks<4>(a, tile, buffer); break;
-    case 8: store_blocks<8>(a, tile, buffer); break;
-    case 16: store_blocks<16>(a, tile, buffer); break;
-    default: break;
+    case 1:
+      store_blocks<1>(a, tile, buffer);
+      break;
+    case 2:
+      store_blocks<2>(a, tile, buffer);
+      break;
+    case 4:
+      store_blocks<4>(a, tile, buffer);
+      break;
+    case 8:
+      store_blocks<8>(a, tile, buffer);
+      break;
+    case 16:
+      store_blocks<16>(a, tile, buffer);
+      break;
+    default:
+      break;
   }
 }
 

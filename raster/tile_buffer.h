@@ -1,4 +1,5 @@
-// Attachments inside a tile: block-linear (base/abi.h) buffers, and their loads, clears and stores. Bytes only: nothing here interprets a texel.
+// Attachments inside a tile: block-linear (base/abi.h) buffers, and their loads, clears and stores. Bytes only: nothing here
+// interprets a texel.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@ struct PassAttachment {
   size_t row_pitch_bytes = 0;
   uint32_t texel_bytes = 0;
   VkFormat format = VK_FORMAT_UNDEFINED;
-  bool load = false;           // LOAD; otherwise the tile starts as clear_texel (zero for DONT_CARE: defined bits, whatever the tile size)
+  bool load = false;  // LOAD; otherwise the tile starts as clear_texel (zero for DONT_CARE: defined bits, whatever the tile size)
   bool store = false;
   std::array<uint8_t, 16> clear_texel{};
 };

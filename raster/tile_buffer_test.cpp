@@ -1,10 +1,10 @@
 // Row-major memory <-> block-linear tiles, against base/abi.h's picture of a block.
 #include "raster/tile_buffer.h"
 
+#include <gtest/gtest.h>
+
 #include <random>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "raster/coverage.h"
 

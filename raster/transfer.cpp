@@ -7,11 +7,11 @@
 namespace pineda::raster {
 namespace {
 
-constexpr uint64_t kPieceBytes = 128 << 10;    // work handed out at once
+constexpr uint64_t kPieceBytes = 128 << 10;     // work handed out at once
 constexpr uint64_t kParallelBytes = 512 << 10;  // below this one core's copy is over before a helper wakes up
 
-// Calls run(slice, first_row, end_row, first_byte, end_byte) for pieces of about kPieceBytes that cover rows x row_bytes x slices. Rows longer than
-// a piece are cut.
+// Calls run(slice, first_row, end_row, first_byte, end_byte) for pieces of about kPieceBytes that cover rows x row_bytes x
+// slices. Rows longer than a piece are cut.
 constexpr uint64_t kCut = kPieceBytes;
 
 template <class Run>
@@ -30,9 +30,12 @@ void for_pieces(ThreadPool& pool, uint64_t row_bytes, uint64_t rows, uint64_t sl
   const bool parallel = row_bytes * rows * slices >= kParallelBytes && total > 1;
   // Several pieces an index when there are more than parallel_for can count.
   const uint64_t per_index = (total + (1u << 20) - 1) >> 20;
-  pool.parallel_for(static_cast<uint32_t>((total + per_index - 1) / per_index), [&](uint32_t i, uint32_t) {
-    for (uint64_t p = i * per_index; p < std::min(total, (i + 1) * per_index); ++p) piece(p);
-  }, parallel);
+  pool.parallel_for(
+      static_cast<uint32_t>((total + per_index - 1) / per_index),
+      [&](uint32_t i, uint32_t) {
+        for (uint64_t p = i * per_index; p < std::min(total, (i + 1) * per_index); ++p) piece(p);
+      },
+      parallel);
 }
 
 void fill_bytes(uint8_t* dst, uint64_t bytes, const uint8_t* pattern, uint32_t pattern_bytes) {
@@ -57,12 +60,13 @@ void copy_rows(ThreadPool& pool, const CopyRows& copy) {
     c.row_bytes *= c.rows;
     c.rows = 1;
   }
-  for_pieces(pool, c.row_bytes, c.rows, c.slices, [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
-    for (; row < end_row; ++row) {
-      std::memcpy(c.dst + slice * c.dst_slice_pitch + row * c.dst_row_pitch + first,
-                  c.src + slice * c.src_slice_pitch + row * c.src_row_pitch + first, end - first);
-    }
-  });
+  for_pieces(pool, c.row_bytes, c.rows, c.slices,
+             [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
+               for (; row < end_row; ++row) {
+                 std::memcpy(c.dst + slice * c.dst_slice_pitch + row * c.dst_row_pitch + first,
+                             c.src + slice * c.src_slice_pitch + row * c.src_row_pitch + first, end - first);
+               }
+             });
 }
 
 void fill_rows(ThreadPool& pool, const FillRows& fill) {
@@ -73,13 +77,14 @@ void fill_rows(ThreadPool& pool, const FillRows& fill) {
     f.rows = 1;
   }
   // A piece may begin inside a pattern: it is rotated.
-  for_pieces(pool, f.row_bytes, f.rows, f.slices, [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
-    uint8_t pattern[16];
-    for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
-    for (; row < end_row; ++row) {
-      fill_bytes(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, pattern, f.pattern_bytes);
-    }
-  });
+  for_pieces(pool, f.row_bytes, f.rows, f.slices,
+             [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
+               uint8_t pattern[16];
+               for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
+               for (; row < end_row; ++row) {
+                 fill_bytes(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, pattern, f.pattern_bytes);
+               }
+             });
 }
 
 }  // namespace pineda::raster

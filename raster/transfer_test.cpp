@@ -1,9 +1,9 @@
 // Copies, fills and dispatches against plain loops.
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <random>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "raster/raster.h"
 
@@ -13,14 +13,16 @@ namespace {
 TEST(Transfer, CopiesRowsOfAnyShape) {
   ThreadPool pool(3);
   std::mt19937 rng(4);
-  for (const auto& [row_bytes, rows, slices] : {std::array<uint64_t, 3>{1, 1, 1}, {7, 5, 3}, {4096, 300, 2}, {1500000, 2, 1}, {300000, 4, 2}, {64, 0, 1}}) {
+  for (const auto& [row_bytes, rows, slices] :
+       {std::array<uint64_t, 3>{1, 1, 1}, {7, 5, 3}, {4096, 300, 2}, {1500000, 2, 1}, {300000, 4, 2}, {64, 0, 1}}) {
     for (const uint64_t padding : {uint64_t{0}, uint64_t{13}}) {
       const uint64_t pitch = row_bytes + padding, slice_pitch = pitch * rows + padding;
       std::vector<uint8_t> src(slice_pitch * slices + 1), dst(src.size(), 0xAA), expected = dst;
       for (uint8_t& v : src) v = static_cast<uint8_t>(rng());
       for (uint64_t s = 0; s < slices; ++s) {
         for (uint64_t r = 0; r < rows; ++r) {
-          for (uint64_t b = 0; b < row_bytes; ++b) expected[s * slice_pitch + r * pitch + b] = src[s * slice_pitch + r * pitch + b];
+          for (uint64_t b = 0; b < row_bytes; ++b)
+            expected[s * slice_pitch + r * pitch + b] = src[s * slice_pitch + r * pitch + b];
         }
       }
       copy_rows(pool, {src.data(), dst.data(), row_bytes, rows, slices, pitch, pitch, slice_pitch, slice_pitch});
@@ -61,7 +63,8 @@ struct Counters {
   std::atomic<uint32_t> dirty{0};
 };
 
-void compute_kernel(const KernelHandle*, const void* draw, void*, const PrimRecord* prims, uint32_t prim_count, const void* waves) {
+void compute_kernel(const KernelHandle*, const void* draw, void*, const PrimRecord* prims, uint32_t prim_count,
+                    const void* waves) {
   auto& c = *static_cast<Counters*>(const_cast<void*>(static_cast<const DrawContext*>(draw)->sets[0]));
   const uint32_t local = c.local[0] * c.local[1] * c.local[2];
   for (uint32_t p = 0; p < prim_count; ++p) {
@@ -89,7 +92,8 @@ TEST(Dispatch, RunsEveryInvocationOnce) {
       for (const std::array<uint32_t, 3> local : {std::array<uint32_t, 3>{1, 1, 1}, {16, 1, 1}, {5, 7, 3}, {64, 4, 1}}) {
         for (const uint32_t shared_bytes : {0u, 1000u, 32768u}) {
           Counters counters{{3, 0, 9}, count, local, {}, {}};
-          counters.hits = std::vector<std::atomic<uint32_t>>(size_t{count[0]} * count[1] * count[2] * local[0] * local[1] * local[2]);
+          counters.hits =
+              std::vector<std::atomic<uint32_t>>(size_t{count[0]} * count[1] * count[2] * local[0] * local[1] * local[2]);
           DrawContext context{};
           context.sets[0] = &counters;
           dispatch(pool, {{compute_kernel, nullptr}, &context, counters.base, count, local, shared_bytes});

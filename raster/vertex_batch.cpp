@@ -90,8 +90,8 @@ void VertexBatch::next_generation() {
   }
 }
 
-void VertexBatch::assemble_indexed_list(const Draw& draw, const IndexReader& reader, uint32_t instance, uint64_t first, uint32_t count,
-                                        uint32_t out) {
+void VertexBatch::assemble_indexed_list(const Draw& draw, const IndexReader& reader, uint32_t instance, uint64_t first,
+                                        uint32_t count, uint32_t out) {
   reader.read(uint64_t{draw.packet.first} + first * 3, count * 3, indices_);
   const auto offset = static_cast<uint32_t>(draw.packet.vertex_offset);
   for (uint32_t i = 0; i < count; ++i) {
@@ -147,7 +147,8 @@ uint32_t VertexBatch::shade(const Draw& draw, uint64_t first, uint32_t count, Ch
     wave.mask = (1u << lanes) - 1;
     wave.reserved = 0;
     wave.out = vertices_ + i * wave_floats;
-    for (uint32_t lane = lanes; lane < kLanes; ++lane) {  // lanes without a vertex repeat the first, so that they read nothing new
+    for (uint32_t lane = lanes; lane < kLanes;
+         ++lane) {  // lanes without a vertex repeat the first, so that they read nothing new
       wave.vertex_index[lane] = wave.vertex_index[0];
       wave.instance_index[lane] = wave.instance_index[0];
     }

@@ -1,5 +1,5 @@
-// The vertex side of a batch: indices are deduplicated, 16-lane waves go through the vertex kernel, and the clip coordinates become window
-// coordinates and clip codes.
+// The vertex side of a batch: indices are deduplicated, 16-lane waves go through the vertex kernel, and the clip coordinates
+// become window coordinates and clip codes.
 #pragma once
 
 #include <array>
@@ -15,7 +15,13 @@ inline constexpr uint32_t kBatchVertices = 3 * kBatchPrims;
 inline constexpr uint32_t kBatchWaves = kBatchVertices / kLanes;
 
 enum ClipCode : uint8_t {  // a set bit: outside of this plane
-  kClipNear = 1, kClipFar = 2, kClipW = 4, kClipLeft = 8, kClipRight = 16, kClipTop = 32, kClipBottom = 64,
+  kClipNear = 1,
+  kClipFar = 2,
+  kClipW = 4,
+  kClipLeft = 8,
+  kClipRight = 16,
+  kClipTop = 32,
+  kClipBottom = 64,
   kClipDrop = 128  // not finite, or too far away for fixed point: triangles with such a vertex are dropped
 };
 
@@ -31,15 +37,15 @@ struct WindowVertices {
   alignas(64) uint8_t code[kBatchVertices];
 };
 
-// Transforms a wave of 16 vertices: clip coordinates are slots 0 to 3 at `wave`; results go to elements [first, first + 16). Only elements
-// whose code is 0 are meaningful.
+// Transforms a wave of 16 vertices: clip coordinates are slots 0 to 3 at `wave`; results go to elements [first, first + 16). Only
+// elements whose code is 0 are meaningful.
 void transform_wave(const ViewportTransform& viewport, const float* wave, WindowVertices& out, uint32_t first);
 
 // Assembles and shades batches; one per thread.
 class VertexBatch {
  public:
-  // Shades the vertices of `count` primitives from `first` on (numbered through the instances) and fills prims with indices of vertices of
-  // the batch. count <= kBatchPrims. Returns the number of vertices.
+  // Shades the vertices of `count` primitives from `first` on (numbered through the instances) and fills prims with indices of
+  // vertices of the batch. count <= kBatchPrims. Returns the number of vertices.
   uint32_t shade(const Draw& draw, uint64_t first, uint32_t count, Chunk& chunk, ThreadContext& context);
 
   const float* vertices() const { return vertices_; }
@@ -47,8 +53,8 @@ class VertexBatch {
   std::array<uint16_t, 3> prim(uint32_t i) const { return prims_[i]; }
 
  private:
-  // Post-transform cache: direct mapped, so that a mesh with local indices never collides with itself and a collision only costs another run of
-  // the shader.
+  // Post-transform cache: direct mapped, so that a mesh with local indices never collides with itself and a collision only costs
+  // another run of the shader.
   static constexpr uint32_t kCacheSize = 1024;
   struct CacheEntry {
     uint32_t index;
@@ -57,7 +63,8 @@ class VertexBatch {
 
   void assemble(const Draw& draw, uint64_t first, uint32_t count);
   void assemble_run(const Draw& draw, uint32_t instance, uint64_t first, uint32_t count, uint32_t out);
-  void assemble_indexed_list(const Draw& draw, const IndexReader& reader, uint32_t instance, uint64_t first, uint32_t count, uint32_t out);
+  void assemble_indexed_list(const Draw& draw, const IndexReader& reader, uint32_t instance, uint64_t first, uint32_t count,
+                             uint32_t out);
   uint16_t add_vertex(uint32_t index, uint32_t instance);
   uint16_t find_or_add(uint32_t index, uint32_t instance);
   void next_generation();

@@ -6,7 +6,7 @@ namespace pineda::raster {
 namespace {
 
 constexpr size_t kKeptWorkspaces = 2;
-constexpr size_t kKeptChunkBytes = size_t{160} << 20;  // somewhat more than a pass's bin budget
+constexpr size_t kKeptChunkBytes = size_t{112} << 20;  // somewhat more than a pass keeps between flushes
 
 struct Store {
   std::mutex mutex;
