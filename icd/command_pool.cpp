@@ -47,6 +47,9 @@ VkResult api::ResetCommandPool(VkDevice, VkCommandPool pool, VkCommandPoolResetF
   return VK_SUCCESS;
 }
 
+// Recorded commands stay where they are; unused blocks go when a command buffer is reset with RELEASE_RESOURCES.
+void api::TrimCommandPoolKHR(VkDevice, VkCommandPool, VkCommandPoolTrimFlags) {}
+
 VkResult api::AllocateCommandBuffers(VkDevice, const VkCommandBufferAllocateInfo* info, VkCommandBuffer* out) {
   CommandPool& pool = *from(info->commandPool);
   for (uint32_t i = 0; i < info->commandBufferCount; ++i) out[i] = VK_NULL_HANDLE;

@@ -7,15 +7,16 @@
 #include "base/log.h"
 #include "compiler/compile.h"
 #include "icd/api.h"
-#include "icd/dispatch.h"
 #include "icd/extensions.h"
 #include "icd/instance.h"
 #include "icd/limits.h"
 
 namespace pineda::icd {
 
-Device::Device(const Allocator& from, PhysicalDevice& device)
-    : Object(from), physical(device), pool(render_threads()), queue(*this) {}
+Device::Device(const Allocator& from, PhysicalDevice& owner, uint32_t gates)
+    : Object(from), physical(owner), pool(render_threads()), queue(*this), gates_(gates) {}
+
+bool Device::has(Gate gate) const { return gate & kDeviceGates ? (gates_ & gate) != 0 : physical.instance.has(gate); }
 
 void Device::lose(std::string_view reason, std::source_location where) {
   if (lost_.exchange(true)) return;
@@ -66,11 +67,6 @@ void report_check() {
              std::to_string(checked.differing_bytes) + " differ between machine code and evaluator");
 }
 
-bool known_extension(const char* name) {
-  return std::ranges::any_of(device_extensions(),
-                             [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
-}
-
 // Every feature is a VkBool32, so the structure is an array of them.
 bool features_available(const VkPhysicalDeviceFeatures& wanted) {
   constexpr size_t kCount = sizeof(VkPhysicalDeviceFeatures) / sizeof(VkBool32);
@@ -84,9 +80,6 @@ bool features_available(const VkPhysicalDeviceFeatures& wanted) {
 }
 
 VkResult check(const VkDeviceCreateInfo& info) {
-  for (uint32_t i = 0; i < info.enabledExtensionCount; ++i) {
-    if (!known_extension(info.ppEnabledExtensionNames[i])) return VK_ERROR_EXTENSION_NOT_PRESENT;
-  }
   if (info.pEnabledFeatures && !features_available(*info.pEnabledFeatures)) return VK_ERROR_FEATURE_NOT_PRESENT;
   for (auto* next = static_cast<const VkBaseInStructure*>(info.pNext); next; next = next->pNext) {
     if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) continue;
@@ -107,9 +100,11 @@ VkResult api::CreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* 
   return guarded([&] {
     *out = VK_NULL_HANDLE;
     if (const VkResult result = check(*info); result != VK_SUCCESS) return result;
+    const auto gates = enabled_gates(device_extensions(), info->enabledExtensionCount, info->ppEnabledExtensionNames);
+    if (!gates) return VK_ERROR_EXTENSION_NOT_PRESENT;
     PhysicalDevice& device = *from(physical);
     const Allocator allocator(callbacks, device.instance.allocator);
-    *out = to_handle(make_object<Device>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE, device).release());
+    *out = to_handle(make_object<Device>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE, device, *gates).release());
     return VK_SUCCESS;
   });
 }
@@ -122,7 +117,7 @@ void api::DestroyDevice(VkDevice device, const VkAllocationCallbacks* callbacks)
 PFN_vkVoidFunction api::GetDeviceProcAddr(VkDevice device, const char* name) {
   const CommandEntry* entry = find_command(name);
   if (!entry || entry->level != Level::kDevice) return nullptr;
-  return from(device)->physical.instance.has(entry->gate) ? entry->function : nullptr;
+  return from(device)->has(entry->gate) ? entry->function : nullptr;
 }
 
 void api::GetDeviceQueue(VkDevice device, uint32_t family, uint32_t index, VkQueue* out) {

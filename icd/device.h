@@ -10,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "icd/dispatch.h"
 #include "icd/notifier.h"
 #include "icd/object.h"
 #include "icd/physical_device.h"
@@ -21,13 +22,16 @@ namespace pineda::icd {
 
 class Device : public Dispatchable, public Object {
  public:
-  Device(const Allocator& from, PhysicalDevice& physical);
+  Device(const Allocator& from, PhysicalDevice& owner, uint32_t gates);
 
   PhysicalDevice& physical;
   Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
   raster::ThreadPool pool;  // used by whoever executes for the queue, one at a time
   Queue queue;              // last: its worker uses the others
+
+  // Whether the extension of a command is enabled, on the device or on its instance.
+  bool has(Gate gate) const;
 
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   void lose(std::string_view reason, std::source_location where = std::source_location::current());
@@ -42,6 +46,7 @@ class Device : public Dispatchable, public Object {
   void forget_name(uint64_t handle);
 
  private:
+  const uint32_t gates_;  // Gate bits of the enabled device extensions
   std::atomic<bool> lost_{false};
   std::atomic<VkDeviceSize> memory_bytes_{0};
   mutable std::mutex names_mutex_;  // guards names_

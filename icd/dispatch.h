@@ -10,8 +10,9 @@ namespace pineda::icd {
 
 enum class Level : uint8_t { kGlobal, kInstance, kPhysical, kDevice };
 
-// What an instance must have enabled for a command to exist.
-enum Gate : uint32_t { kCore = 0, kProperties2 = 1, kDebugUtils = 2 };
+// The extension that must be enabled for a command to exist.
+enum Gate : uint32_t { kCore = 0, kProperties2 = 1, kDebugUtils = 2, kMaintenance1 = 4 };
+inline constexpr uint32_t kDeviceGates = kMaintenance1;  // the others are extensions of the instance
 
 struct CommandEntry {
   std::string_view name;  // with vk

@@ -72,11 +72,17 @@ void Executor::execute(const cmd::CopyImage& command) {
   const uint32_t texel_bytes = command.source->format.texel_bytes;
   if (texel_bytes != command.destination->format.texel_bytes) return;
   for (const VkImageCopy& region : command.regions) {
-    const auto from = image_region(*command.source, region.srcSubresource, region.srcOffset, region.extent);
-    const auto to = image_region(*command.destination, region.dstSubresource, region.dstOffset, region.extent);
+    // Layers of one image may be slices of the other (VK_KHR_maintenance1): the extent's depth counts slices only.
+    const auto resolve = [&](const Image& image, const VkImageSubresourceLayers& subresource, VkOffset3D offset) {
+      VkExtent3D extent = region.extent;
+      if (image.type != VK_IMAGE_TYPE_3D) extent.depth = 1;
+      return image_region(image, subresource, offset, extent);
+    };
+    const auto from = resolve(*command.source, region.srcSubresource, region.srcOffset);
+    const auto to = resolve(*command.destination, region.dstSubresource, region.dstOffset);
     if (!from || !to) continue;
-    copy(device_.pool, to->rows, from->rows, uint64_t(from->width) * texel_bytes, from->height,
-         std::min(from->slices, to->slices));
+    const uint32_t slices = std::min(from->slices, to->slices);
+    copy(device_.pool, to->rows, from->rows, uint64_t(from->width) * texel_bytes, from->height, slices);
   }
 }
 

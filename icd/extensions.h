@@ -1,6 +1,7 @@
 // The extensions, as data.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -9,12 +10,15 @@
 
 namespace pineda::icd {
 
-struct InstanceExtension {
+struct Extension {
   VkExtensionProperties properties;
-  Gate gate;
+  Gate gate;  // of its commands; kCore when it has none
 };
 
-std::span<const InstanceExtension> instance_extensions();
-std::span<const VkExtensionProperties> device_extensions();
+std::span<const Extension> instance_extensions();
+std::span<const Extension> device_extensions();
+
+// Gate bits of the named extensions; nothing when one is not among the known.
+std::optional<uint32_t> enabled_gates(std::span<const Extension> known, uint32_t count, const char* const* names);
 
 }  // namespace pineda::icd

@@ -11,6 +11,29 @@ namespace {
 // A resource is addressed by 32-bit byte offsets (MipLevel in base/abi.h).
 constexpr VkDeviceSize kMaxImageBytes = 0xFFFFFFFFu;
 
+// What a shader can declare for a storage image under the Shader capability alone ("Image Format" in the SPIR-V specification);
+// kernels pack and unpack every format of the table.
+bool is_storage_format(VkFormat format) {
+  switch (format) {
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SNORM:
+    case VK_FORMAT_R8G8B8A8_UINT:
+    case VK_FORMAT_R8G8B8A8_SINT:
+    case VK_FORMAT_R16G16B16A16_UINT:
+    case VK_FORMAT_R16G16B16A16_SINT:
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+    case VK_FORMAT_R32_UINT:
+    case VK_FORMAT_R32_SINT:
+    case VK_FORMAT_R32_SFLOAT:
+    case VK_FORMAT_R32G32B32A32_UINT:
+    case VK_FORMAT_R32G32B32A32_SINT:
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      return true;
+    default:
+      return false;
+  }
+}
+
 VkFormatFeatureFlags image_features(const FormatInfo& format) {
   VkFormatFeatureFlags features = 0;
   if (format.uses & kUseSampled) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
@@ -18,19 +41,31 @@ VkFormatFeatureFlags image_features(const FormatInfo& format) {
   if (format.uses & kUseColor) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
   if (format.uses & kUseBlend) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
   if (format.uses & kUseDepth) features |= VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  if (is_storage_format(format.format)) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+  if (features == 0) return 0;
   // exec_blit.cpp reads and writes every colour texel through the table, and copies depth texels.
-  if (features != 0) features |= VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_BLIT_DST_BIT;
-  return features;
+  return features | VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_BLIT_DST_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT |
+         VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
 }
 
+constexpr VkImageUsageFlags kTransferUsage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+
+// Without VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT: vkCreateRenderPass refuses input attachments.
 bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
-  constexpr VkImageUsageFlags kTransfer = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  VkImageUsageFlags allowed = kTransfer;
-  if (features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT) allowed |= VK_IMAGE_USAGE_SAMPLED_BIT;
-  constexpr VkImageUsageFlags kTransient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT;
-  if (features & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT) allowed |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient;
-  if (features & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT)
-    allowed |= VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient;
+  static constexpr struct {
+    VkFormatFeatureFlags feature;
+    VkImageUsageFlags usage;
+  } kRows[] = {
+      {VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, VK_IMAGE_USAGE_SAMPLED_BIT},
+      {VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, VK_IMAGE_USAGE_STORAGE_BIT},
+      {VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT},
+      {VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT,
+       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT},
+  };
+  VkImageUsageFlags allowed = kTransferUsage;
+  for (const auto& row : kRows) {
+    if (features & row.feature) allowed |= row.usage;
+  }
   return (usage & ~allowed) == 0;
 }
 
@@ -61,13 +96,12 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  constexpr VkImageCreateFlags kFlags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
-  if (query.flags & ~kFlags) return VK_ERROR_FORMAT_NOT_SUPPORTED;
+  // Cube views cannot be sampled yet, and two-dimensional views of volumes do not exist.
+  if (query.flags & ~VkImageCreateFlags(VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const VkFormatFeatureFlags features = image_features(*info);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  constexpr VkImageUsageFlags kTransfer = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   // Volumes are stored and copied; shaders cannot sample them yet.
-  if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kTransfer)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
+  if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kTransferUsage)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   out->maxExtent = max_extent(query);
   out->maxMipLevels = std::bit_width(out->maxExtent.width);
   out->maxArrayLayers = query.type == VK_IMAGE_TYPE_3D ? 1 : kLimits.maxImageArrayLayers;

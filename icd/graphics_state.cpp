@@ -48,13 +48,12 @@ VkResult translate_rasterization(const VkPipelineRasterizationStateCreateInfo& i
   out.rasterizes = !info.rasterizerDiscardEnable;
   if (info.polygonMode != VK_POLYGON_MODE_FILL)
     return not_supported("vkCreateGraphicsPipelines: fillModeNonSolid is not supported");
-  if (info.depthClampEnable) return not_supported("vkCreateGraphicsPipelines: depthClamp is not supported");
   out.cull = info.cullMode;
   out.front_face = info.frontFace;
-  out.depth_clamp = info.depthClampEnable;
+  out.depth_clamp = out.fragment.depth_clamp = info.depthClampEnable;
   out.depth_bias = info.depthBiasEnable;
   out.values.depth_bias_constant = info.depthBiasConstantFactor;
-  out.values.depth_bias_clamp = 0;  // depthBiasClamp is not supported: the value must be 0
+  out.values.depth_bias_clamp = info.depthBiasClamp;
   out.values.depth_bias_slope = info.depthBiasSlopeFactor;
   return VK_SUCCESS;
 }

@@ -43,7 +43,15 @@ VkResult ImageView::check(Device&, const VkImageViewCreateInfo& info) {
   if (!format || format->texel_bytes != from(info.image)->format.texel_bytes) {
     return not_supported("vkCreateImageView: the format is not supported or not compatible with the image's");
   }
-  if (info.viewType == VK_IMAGE_VIEW_TYPE_3D) return not_supported("vkCreateImageView: views of volumes are not supported");
+  switch (info.viewType) {
+    case VK_IMAGE_VIEW_TYPE_1D:
+    case VK_IMAGE_VIEW_TYPE_2D:
+    case VK_IMAGE_VIEW_TYPE_1D_ARRAY:
+    case VK_IMAGE_VIEW_TYPE_2D_ARRAY:
+      break;
+    default:
+      return not_supported("vkCreateImageView: cube and 3D views are not supported");
+  }
   if (!from(info.image)->data()) return not_supported("vkCreateImageView: the image has no memory bound");
   return VK_SUCCESS;
 }

@@ -1,8 +1,5 @@
 #include "icd/instance.h"
 
-#include <cstring>
-#include <optional>
-
 #include "icd/api.h"
 #include "icd/debug_utils.h"
 #include "icd/enumerate.h"
@@ -12,24 +9,6 @@
 namespace pineda::icd {
 
 Instance::~Instance() { remove_messengers(*this); }
-
-namespace {
-
-// Gate bits of the named extensions; nothing when one is unknown.
-std::optional<uint32_t> enabled_gates(const VkInstanceCreateInfo& info) {
-  uint32_t gates = 0;
-  for (uint32_t i = 0; i < info.enabledExtensionCount; ++i) {
-    const auto known = instance_extensions();
-    const auto found = std::ranges::find_if(known, [&](const InstanceExtension& extension) {
-      return std::strcmp(extension.properties.extensionName, info.ppEnabledExtensionNames[i]) == 0;
-    });
-    if (found == known.end()) return std::nullopt;
-    gates |= found->gate;
-  }
-  return gates;
-}
-
-}  // namespace
 
 VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* out) {
   return guarded([&] {
@@ -41,7 +20,7 @@ VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocatio
       return VK_ERROR_INCOMPATIBLE_DRIVER;
     }
     if (info->enabledLayerCount != 0) return VK_ERROR_LAYER_NOT_PRESENT;
-    const std::optional<uint32_t> gates = enabled_gates(*info);
+    const auto gates = enabled_gates(instance_extensions(), info->enabledExtensionCount, info->ppEnabledExtensionNames);
     if (!gates) return VK_ERROR_EXTENSION_NOT_PRESENT;
     auto instance = make_object<Instance>(Allocator(callbacks, Allocator()), VK_SYSTEM_ALLOCATION_SCOPE_INSTANCE, *gates);
     *out = to_handle(instance.release());
@@ -55,8 +34,7 @@ void api::DestroyInstance(VkInstance instance, const VkAllocationCallbacks* call
 
 VkResult api::EnumerateInstanceExtensionProperties(const char* layer, uint32_t* count, VkExtensionProperties* out) {
   if (layer) return VK_ERROR_LAYER_NOT_PRESENT;
-  return enumerate(instance_extensions(), count, out,
-                   [](VkExtensionProperties& to, const InstanceExtension& e) { to = e.properties; });
+  return enumerate(instance_extensions(), count, out, [](VkExtensionProperties& to, const Extension& e) { to = e.properties; });
 }
 
 VkResult api::EnumerateInstanceLayerProperties(uint32_t* count, VkLayerProperties*) {

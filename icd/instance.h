@@ -12,7 +12,8 @@ class Instance : public Dispatchable, public Object {
   Instance(const Allocator& from, uint32_t gates) : Object(from), physical_device(*this), gates_(gates) {}
   ~Instance();
 
-  bool has(Gate gate) const { return gate == kCore || (gates_ & gate) != 0; }
+  // Commands of device extensions exist for the instance whether a device enables them or not.
+  bool has(Gate gate) const { return gate == kCore || ((gates_ | kDeviceGates) & gate) != 0; }
 
   PhysicalDevice physical_device;
 

@@ -12,6 +12,12 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .independentBlend = VK_TRUE,     // blend state is part of the kernel, for each attachment
     .multiDrawIndirect = VK_TRUE,    // a loop in exec_draw.cpp
     .drawIndirectFirstInstance = VK_TRUE,
+    .depthClamp = VK_TRUE,
+    .depthBiasClamp = VK_TRUE,
+    .fragmentStoresAndAtomics = VK_TRUE,  // helper and uncovered lanes have no effects
+    .shaderImageGatherExtended = VK_TRUE,
+    .shaderUniformBufferArrayDynamicIndexing = VK_TRUE,
+    .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
 };
 
 constexpr VkPhysicalDeviceLimits kLimits = {

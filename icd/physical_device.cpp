@@ -137,7 +137,7 @@ void api::GetPhysicalDeviceSparseImageFormatProperties(VkPhysicalDevice, VkForma
 VkResult api::EnumerateDeviceExtensionProperties(VkPhysicalDevice, const char* layer, uint32_t* count,
                                                  VkExtensionProperties* out) {
   if (layer) return VK_ERROR_LAYER_NOT_PRESENT;
-  return enumerate(device_extensions(), count, out);
+  return enumerate(device_extensions(), count, out, [](VkExtensionProperties& to, const Extension& e) { to = e.properties; });
 }
 
 VkResult api::EnumerateDeviceLayerProperties(VkPhysicalDevice, uint32_t* count, VkLayerProperties*) {

@@ -33,9 +33,9 @@ void api::CmdSetScissor(VkCommandBuffer handle, uint32_t first, uint32_t count, 
 
 void api::CmdSetLineWidth(VkCommandBuffer, float) {}
 
-void api::CmdSetDepthBias(VkCommandBuffer handle, float constant, float, float slope) {
+void api::CmdSetDepthBias(VkCommandBuffer handle, float constant, float clamp, float slope) {
   CommandBuffer& cb = *from(handle);
-  cb.record([&] { cb.append(cmd::SetDepthBias{constant, 0, slope}); });  // depthBiasClamp is not supported: the clamp must be 0
+  cb.record([&] { cb.append(cmd::SetDepthBias{constant, clamp, slope}); });
 }
 
 void api::CmdSetBlendConstants(VkCommandBuffer handle, const float constants[4]) {

@@ -25,8 +25,8 @@ struct ComputeFixture {
         layout(client.pipeline_layout(set_layout, 4)),
         set(client.descriptor_set(set_layout)) {
     for (uint32_t i = 0; i < 256; ++i) in.as<uint32_t>()[i] = i * 2654435761u;
-    client.write_buffer(set, 0, kStorage, in.handle);
-    client.write_buffer(set, 1, out_type, out.handle, 512);
+    client.write_buffer(set, 0, kStorage, {in.handle, 0, VK_WHOLE_SIZE});
+    client.write_buffer(set, 1, out_type, {out.handle, 0, 512});
   }
 
   VkPipeline pipeline(uint32_t bias) {
@@ -93,6 +93,71 @@ TEST(IcdCompute, DynamicOffsetAndIndirect) {
   f.expect(0, 32, 7, 2, 64);
   EXPECT_EQ(f.out.as<uint32_t>()[0], 0u);
   EXPECT_EQ(f.out.as<uint32_t>()[96], 0u);
+}
+
+// "Dynamically uniform" indices of arrays of uniform and storage buffers.
+TEST(IcdCompute, BufferArraysAreIndexedDynamically) {
+  constexpr VkDescriptorType kUniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  PipelineClient client;
+  const auto set_layout = client.set_layout(
+      {{0, kUniform, 4, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}, {1, kStorage, 2, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(set_layout, 4);
+  const VkDescriptorSet set = client.descriptor_set(set_layout);
+  const auto in = client.buffer(64), out = client.buffer(128);
+  for (uint32_t i = 0; i < 4; ++i) {
+    in.as<uint32_t>()[i * 4] = 1000 * i + 7;
+    client.write_buffer(set, 0, kUniform, {in.handle, i * 16, 16}, i);
+  }
+  for (uint32_t i = 0; i < 2; ++i) client.write_buffer(set, 1, kStorage, {out.handle, i * 64, 64}, i);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.compute_pipeline(layout, client.module(kArraysCompute), nullptr, &pipeline), VK_SUCCESS);
+  for (uint32_t first = 0; first < 4; ++first) {
+    client.run([&](VkCommandBuffer cb) {
+      VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+      VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+      VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 0, 4, &first);
+      VK(client, CmdDispatch)(cb, 1, 1, 1);
+    });
+    for (uint32_t i = 0; i < 16; ++i) EXPECT_EQ(out.as<uint32_t>()[(first & 1) * 16 + i], 1000 * first + 7 + i);
+  }
+}
+
+// destination(y, x) = source(x, y).bgra, with a size that fills no workgroup: what lies outside is neither read nor written.
+TEST(IcdCompute, StorageImages) {
+  constexpr VkDescriptorType kImage = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+  constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+  constexpr uint32_t kWidth = 13, kHeight = 21;
+  PipelineClient client;
+  VkFormatProperties properties;
+  VK(client, GetPhysicalDeviceFormatProperties)(client.physical, kFormat, &properties);
+  ASSERT_TRUE(properties.optimalTilingFeatures & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT);
+  const auto set_layout = client.set_layout(
+      {{0, kImage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}, {1, kImage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(set_layout, 0);
+  const VkDescriptorSet set = client.descriptor_set(set_layout);
+  const VkImage source = client.image(kFormat, {kWidth, kHeight, 1}, 1, 1, VK_IMAGE_USAGE_STORAGE_BIT);
+  const VkImage destination = client.image(kFormat, {kHeight, kWidth, 1}, 1, 1, VK_IMAGE_USAGE_STORAGE_BIT);
+  client.write_image(set, 0, kImage, client.view(source, kFormat));
+  client.write_image(set, 1, kImage, client.view(destination, kFormat));
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.compute_pipeline(layout, client.module(kStorageImageCompute), nullptr, &pipeline), VK_SUCCESS);
+  const auto in = client.buffer(kWidth * kHeight * 4), out = client.buffer(kWidth * kHeight * 4);
+  for (uint32_t i = 0; i < kWidth * kHeight; ++i) in.as<uint32_t>()[i] = i * 2654435761u;
+  client.run([&](VkCommandBuffer cb) {
+    const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, {kWidth, kHeight, 1}};
+    const VkBufferImageCopy download{0, 0, 0, color_layers(), {}, {kHeight, kWidth, 1}};
+    VK(client, CmdCopyBufferToImage)(cb, in.handle, source, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+    VK(client, CmdDispatch)(cb, 2, 3, 1);
+    VK(client, CmdCopyImageToBuffer)(cb, destination, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
+  });
+  for (uint32_t y = 0; y < kHeight; ++y) {
+    for (uint32_t x = 0; x < kWidth; ++x) {
+      const uint32_t t = in.as<uint32_t>()[y * kWidth + x];
+      ASSERT_EQ(out.as<uint32_t>()[x * kHeight + y], (t & 0xFF00FF00u) | (t & 0xFFu) << 16 | (t >> 16 & 0xFFu)) << x << ' ' << y;
+    }
+  }
 }
 
 struct Messages {

@@ -104,12 +104,13 @@ struct ColorPipeline {
   VkPipelineLayout layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
 
-  ColorPipeline(DrawFixture& f, VkRenderPass pass, uint32_t subpass = 0,
-                VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST)
-      : layout(f.client.pipeline_layout(std::nullopt, 16)) {
-    EXPECT_EQ(f.client.graphics_pipeline(layout, pass, subpass, f.client.module(kColorVertex), f.client.module(kColorFragment),
-                                         topology, &pipeline),
-              VK_SUCCESS);
+  ColorPipeline(DrawFixture& f, VkRenderPass pass, uint32_t subpass = 0) : layout(f.client.pipeline_layout(std::nullopt, 16)) {
+    const PipelineClient::Drawing drawing{.layout = layout,
+                                          .pass = pass,
+                                          .subpass = subpass,
+                                          .vertex = f.client.module(kColorVertex),
+                                          .fragment = f.client.module(kColorFragment)};
+    EXPECT_EQ(f.client.graphics_pipeline(drawing, &pipeline), VK_SUCCESS);
   }
 };
 
@@ -225,19 +226,23 @@ TEST(IcdDraw, TexturesSelectVariants) {
       f.client.set_layout({{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}});
   const VkPipelineLayout layout = f.client.pipeline_layout(set_layout, 16);
   VkPipeline pipeline = VK_NULL_HANDLE;
-  ASSERT_EQ(f.client.graphics_pipeline(layout, pass, 0, f.client.module(kColorVertex), f.client.module(kTextureFragment),
-                                       VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, &pipeline),
+  ASSERT_EQ(f.client.graphics_pipeline({.layout = layout,
+                                        .pass = pass,
+                                        .vertex = f.client.module(kColorVertex),
+                                        .fragment = f.client.module(kTextureFragment)},
+                                       &pipeline),
             VK_SUCCESS);
   const VkImage rgba = f.target(VK_IMAGE_USAGE_SAMPLED_BIT),
                 bgra = f.target(VK_IMAGE_USAGE_SAMPLED_BIT, VK_FORMAT_B8G8R8A8_UNORM);
   const VkSampler sampler = f.client.nearest_sampler();
   const VkDescriptorSet sets[] = {f.client.descriptor_set(set_layout), f.client.descriptor_set(set_layout),
                                   f.client.descriptor_set(set_layout)};
-  f.client.write_texture(sets[0], 0, f.client.view(rgba, kFormat), sampler);
-  f.client.write_texture(sets[1], 0, f.client.view(bgra, VK_FORMAT_B8G8R8A8_UNORM), sampler);
+  f.client.write_image(sets[0], 0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, f.client.view(rgba, kFormat), sampler);
+  f.client.write_image(sets[1], 0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, f.client.view(bgra, VK_FORMAT_B8G8R8A8_UNORM),
+                       sampler);
   constexpr VkComponentMapping kSwapped{VK_COMPONENT_SWIZZLE_G, VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_ZERO,
                                         VK_COMPONENT_SWIZZLE_ONE};
-  f.client.write_texture(sets[2], 0, f.client.view(rgba, kFormat, kSwapped), sampler);
+  f.client.write_image(sets[2], 0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, f.client.view(rgba, kFormat, kSwapped), sampler);
   const auto texels = f.client.buffer(kSize * kSize * 4);
   for (uint32_t i = 0; i < kSize * kSize; ++i) texels.as<uint32_t>()[i] = i * 2654435761u;
   for (int variant = 0; variant < 3; ++variant) {
@@ -266,14 +271,166 @@ TEST(IcdDraw, TexturesSelectVariants) {
   }
 }
 
+// Depth test, clamp and bias against a D16 attachment: the depth of the quads comes by push constant.
+struct DepthFixture : DrawFixture {
+  static constexpr PipelineClient::Attachment kAttachments[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR},
+                                                                {VK_FORMAT_D16_UNORM, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  static constexpr uint32_t kFirst[] = {0};
+  VkRenderPass pass = client.render_pass(kAttachments, kFirst, 1);
+  VkImage depth = target(VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_FORMAT_D16_UNORM);
+  VkFramebuffer framebuffer = client.framebuffer(
+      pass, {client.view(image, kFormat), client.view(depth, VK_FORMAT_D16_UNORM, {}, VK_IMAGE_ASPECT_DEPTH_BIT)},
+      {kSize, kSize});
+  VkPipelineLayout layout = client.pipeline_layout(std::nullopt, 20);
+
+  PipelineClient::Drawing drawing() {
+    return {.layout = layout, .pass = pass, .vertex = client.module(kDepthVertex), .fragment = client.module(kColorFragment)};
+  }
+  void quad(VkCommandBuffer cb, uint32_t first_vertex, uint32_t count, std::array<float, 4> value, float z) {
+    color(cb, layout, value);
+    VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 16, 4, &z);
+    VK(client, CmdDraw)(cb, count, 1, first_vertex, 0);
+  }
+  // Draws over a cleared target and leaves colours in pixels; the result is the depth of the pixel at x.
+  template <typename Draws>
+  std::array<uint16_t, 2> depths(const PipelineClient::Drawing& with, Draws&& draws) {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    EXPECT_EQ(client.graphics_pipeline(with, &pipeline), VK_SUCCESS);
+    const auto values = client.buffer(kSize * kSize * 2);
+    client.run([&](VkCommandBuffer cb) {
+      client.begin_pass(cb, pass, framebuffer, whole, {kClearBlack, {.depthStencil = {1.0f, 0}}});
+      bind(cb, pipeline);
+      draws(cb);
+      VK(client, CmdEndRenderPass)(cb);
+      download(cb, image);
+      const VkBufferImageCopy region{0, 0, 0, {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}, {}, {kSize, kSize, 1}};
+      VK(client, CmdCopyImageToBuffer)(cb, depth, VK_IMAGE_LAYOUT_GENERAL, values.handle, 1, &region);
+    });
+    return {values.as<uint16_t>()[5], values.as<uint16_t>()[kSize - 5]};
+  }
+};
+
+TEST(IcdDepth, NearerWins) {
+  DepthFixture f;
+  const auto depth = f.depths(f.drawing(), [&](VkCommandBuffer cb) {
+    f.quad(cb, 0, 12, {1, 0, 0, 1}, 0.5f);
+    f.quad(cb, 0, 6, {0, 1, 0, 1}, 0.75f);
+    f.quad(cb, 6, 6, {0, 0, 1, 1}, 0.25f);
+  });
+  EXPECT_EQ(f.at(5, 5), kRed);
+  EXPECT_EQ(f.at(35, 5), kBlue);
+  EXPECT_EQ(depth[0], 32768);  // 0.5 * 65535 = 32767.5, to even
+  EXPECT_EQ(depth[1], 16384);  // 0.25 * 65535 = 16383.75
+}
+
+// Without depthClamp z > w is clipped away; with it the fragments have the depth of the viewport's far end.
+TEST(IcdDepth, ClampInsteadOfClip) {
+  DepthFixture f;
+  PipelineClient::Drawing drawing = f.drawing();
+  drawing.depth_compare = VK_COMPARE_OP_ALWAYS;
+  const auto draw = [&](VkCommandBuffer cb) {
+    const VkViewport near_half{0, 0, kSize, kSize, 0, 0.5f};
+    VK(f.client, CmdSetViewport)(cb, 0, 1, &near_half);
+    f.quad(cb, 0, 12, {0, 1, 0, 1}, 1.5f);
+  };
+  EXPECT_EQ(f.depths(drawing, draw)[0], 65535);
+  EXPECT_EQ(f.at(5, 5), kBlack);
+  drawing.depth_clamp = true;
+  EXPECT_EQ(f.depths(drawing, draw)[0], 32768);
+  EXPECT_EQ(f.at(5, 5), kGreen);
+}
+
+// A constant factor of 16384 is 16384 * 2^-16 for D16 (the minimum resolvable difference); the clamp stops it at 1/8.
+TEST(IcdDepth, BiasAndItsClamp) {
+  DepthFixture f;
+  PipelineClient::Drawing drawing = f.drawing();
+  drawing.depth_bias = 16384;
+  const auto draw = [&](VkCommandBuffer cb) { f.quad(cb, 0, 12, {0, 1, 0, 1}, 0.25f); };
+  EXPECT_NEAR(f.depths(drawing, draw)[0], 32768, 1);
+  drawing.depth_bias_clamp = 0.125f;
+  EXPECT_NEAR(f.depths(drawing, draw)[0], 24576, 1);
+}
+
+// VK_KHR_maintenance1: a negative height flips y, and with it the winding.
+TEST(IcdDraw, NegativeViewportHeight) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const VkPipelineLayout layout = f.client.pipeline_layout(std::nullopt, 16);
+  for (const VkCullModeFlags cull : {VK_CULL_MODE_FRONT_BIT, VK_CULL_MODE_BACK_BIT}) {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    ASSERT_EQ(f.client.graphics_pipeline({.layout = layout,
+                                          .pass = pass,
+                                          .vertex = f.client.module(kColorVertex),
+                                          .fragment = f.client.module(kColorFragment),
+                                          .cull = cull},
+                                         &pipeline),
+              VK_SUCCESS);
+    f.client.run([&](VkCommandBuffer cb) {
+      f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack});
+      f.bind(cb, pipeline);
+      f.color(cb, layout, {1, 0, 0, 1});
+      const VkViewport top{0, 0, kSize, kSize / 2, 0, 1}, bottom_up{0, kSize, kSize, -float(kSize / 2), 0, 1};
+      VK(f.client, CmdSetViewport)(cb, 0, 1, &top);
+      VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+      VK(f.client, CmdSetViewport)(cb, 0, 1, &bottom_up);
+      VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+      VK(f.client, CmdEndRenderPass)(cb);
+      f.download(cb, f.image);
+    });
+    // The quads are clockwise in framebuffer space (y down), that is back-facing; flipped they face front.
+    EXPECT_EQ(f.at(5, 5), cull == VK_CULL_MODE_FRONT_BIT ? kRed : kBlack);
+    EXPECT_EQ(f.at(5, 35), cull == VK_CULL_MODE_BACK_BIT ? kRed : kBlack);
+  }
+}
+
+// Each covered pixel adds one, also where the colour is overdrawn later; helper lanes and pixels outside the scissor add nothing.
+TEST(IcdDraw, FragmentAtomicsCountPixels) {
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const auto set_layout = f.client.set_layout({{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}});
+  const VkPipelineLayout layout = f.client.pipeline_layout(set_layout, 16);
+  const VkDescriptorSet set = f.client.descriptor_set(set_layout);
+  const auto count = f.client.buffer(16);
+  f.client.write_buffer(set, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {count.handle, 0, 4});
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(
+      f.client.graphics_pipeline(
+          {.layout = layout, .pass = pass, .vertex = f.client.module(kColorVertex), .fragment = f.client.module(kCountFragment)},
+          &pipeline),
+      VK_SUCCESS);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack});
+    f.bind(cb, pipeline);
+    VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set, 0, nullptr);
+    f.color(cb, layout, {1, 0, 0, 1});
+    VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+    VK(f.client, CmdDraw)(cb, 12, 2, 0, 0);
+    const VkRect2D scissor{{3, 3}, {7, 5}};
+    VK(f.client, CmdSetScissor)(cb, 0, 1, &scissor);
+    VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+    VK(f.client, CmdEndRenderPass)(cb);
+  });
+  EXPECT_EQ(count.as<uint32_t>()[0], 3 * kSize * kSize + 35);
+}
+
 TEST(IcdDraw, UnsupportedTopologyIsRefused) {
   DrawFixture f;
   constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
   constexpr uint32_t kFirst[] = {0};
   const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
   VkPipeline pipeline;
-  EXPECT_EQ(f.client.graphics_pipeline(f.client.pipeline_layout(std::nullopt, 16), pass, 0, f.client.module(kColorVertex),
-                                       f.client.module(kColorFragment), VK_PRIMITIVE_TOPOLOGY_LINE_LIST, &pipeline),
+  EXPECT_EQ(f.client.graphics_pipeline({.layout = f.client.pipeline_layout(std::nullopt, 16),
+                                        .pass = pass,
+                                        .vertex = f.client.module(kColorVertex),
+                                        .fragment = f.client.module(kColorFragment),
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST},
+                                       &pipeline),
             VK_ERROR_FEATURE_NOT_PRESENT);
   EXPECT_EQ(pipeline, VkPipeline(VK_NULL_HANDLE));
 }

@@ -63,6 +63,7 @@ TEST(IcdEntry, ExtensionCommandsNeedTheirExtension) {
   ASSERT_EQ(plain.result, VK_SUCCESS);
   EXPECT_EQ(driver_proc(plain.instance, "vkGetPhysicalDeviceProperties2KHR"), nullptr);
   EXPECT_EQ(driver_proc(plain.instance, "vkCreateDebugUtilsMessengerEXT"), nullptr);
+  EXPECT_EQ(VK(plain, GetDeviceProcAddr)(plain.device, "vkTrimCommandPoolKHR"), nullptr) << "an extension of the device";
   Client extended(nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME});
   ASSERT_EQ(extended.result, VK_SUCCESS);
   EXPECT_NE(driver_proc(extended.instance, "vkGetPhysicalDeviceProperties2KHR"), nullptr);

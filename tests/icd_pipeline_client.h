@@ -47,8 +47,10 @@ class PipelineClient : public Client {
   VkDescriptorSet descriptor_set(VkDescriptorSetLayout layout) {
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 4},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 4},
-                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4}};
-    const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, 1, 3, sizes};
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 4},
+                                          {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 4}};
+    const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, 1, 5, sizes};
     VkDescriptorPool descriptors = VK_NULL_HANDLE;
     EXPECT_EQ(VK(*this, CreateDescriptorPool)(device, &info, nullptr, &descriptors), VK_SUCCESS);
     defer([this, descriptors] { VK(*this, DestroyDescriptorPool)(device, descriptors, nullptr); });
@@ -58,16 +60,16 @@ class PipelineClient : public Client {
     return out;
   }
 
-  void write_buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, VkBuffer buffer,
-                    VkDeviceSize range = VK_WHOLE_SIZE) {
-    const VkDescriptorBufferInfo info{buffer, 0, range};
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, binding, 0, 1, type, nullptr, &info};
+  void write_buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, VkDescriptorBufferInfo info,
+                    uint32_t element = 0) {
+    const VkWriteDescriptorSet write{
+        VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, binding, element, 1, type, nullptr, &info};
     VK(*this, UpdateDescriptorSets)(device, 1, &write, 0, nullptr);
   }
-  void write_texture(VkDescriptorSet set, uint32_t binding, VkImageView view, VkSampler sampler) {
+  void write_image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, VkImageView view,
+                   VkSampler sampler = VK_NULL_HANDLE) {
     const VkDescriptorImageInfo info{sampler, view, VK_IMAGE_LAYOUT_GENERAL};
-    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,    nullptr, set, binding, 0, 1,
-                                     VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, &info};
+    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, binding, 0, 1, type, &info};
     VK(*this, UpdateDescriptorSets)(device, 1, &write, 0, nullptr);
   }
 
@@ -112,12 +114,13 @@ class PipelineClient : public Client {
     return result;
   }
 
-  // One colour attachment (and a depth attachment when depth_format is set) in each subpass; attachments.size() subpasses.
+  // One colour attachment in each subpass, and in all the depth attachment when one is given.
   struct Attachment {
     VkFormat format;
     VkAttachmentLoadOp load;
   };
-  VkRenderPass render_pass(std::span<const Attachment> attachments, std::span<const uint32_t> subpass_attachment) {
+  VkRenderPass render_pass(std::span<const Attachment> attachments, std::span<const uint32_t> subpass_attachment,
+                           uint32_t depth_attachment = VK_ATTACHMENT_UNUSED) {
     std::vector<VkAttachmentDescription> descriptions;
     for (const Attachment& attachment : attachments) {
       descriptions.push_back({0, attachment.format, VK_SAMPLE_COUNT_1_BIT, attachment.load, VK_ATTACHMENT_STORE_OP_STORE,
@@ -127,10 +130,12 @@ class PipelineClient : public Client {
     }
     std::vector<VkAttachmentReference> references;
     for (uint32_t index : subpass_attachment) references.push_back({index, VK_IMAGE_LAYOUT_GENERAL});
+    const VkAttachmentReference depth{depth_attachment, VK_IMAGE_LAYOUT_GENERAL};
     std::vector<VkSubpassDescription> subpasses(references.size());
     for (size_t i = 0; i < subpasses.size(); ++i) {
       subpasses[i].colorAttachmentCount = 1;
       subpasses[i].pColorAttachments = &references[i];
+      subpasses[i].pDepthStencilAttachment = &depth;
     }
     VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
     info.attachmentCount = static_cast<uint32_t>(descriptions.size());
@@ -167,26 +172,43 @@ class PipelineClient : public Client {
   }
 
   // Vertex: vec2 position, vec2 uv in one binding. Viewport and scissor are dynamic.
-  VkResult graphics_pipeline(VkPipelineLayout layout, VkRenderPass pass, uint32_t subpass, VkShaderModule vertex,
-                             VkShaderModule fragment, VkPrimitiveTopology topology, VkPipeline* out);
+  struct Drawing {
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkRenderPass pass = VK_NULL_HANDLE;
+    uint32_t subpass = 0;
+    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+    VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkCullModeFlags cull = VK_CULL_MODE_NONE;
+    bool depth_clamp = false;
+    float depth_bias = 0, depth_bias_clamp = 0;      // constant factor; 0: no bias
+    VkCompareOp depth_compare = VK_COMPARE_OP_LESS;  // when the subpass has a depth attachment
+  };
+  VkResult graphics_pipeline(const Drawing& drawing, VkPipeline* out);
 };
 
-inline VkResult PipelineClient::graphics_pipeline(VkPipelineLayout layout, VkRenderPass pass, uint32_t subpass,
-                                                  VkShaderModule vertex, VkShaderModule fragment, VkPrimitiveTopology topology,
-                                                  VkPipeline* out) {
-  const VkPipelineShaderStageCreateInfo stages[] = {
-      {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", nullptr},
-      {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main", nullptr}};
+inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipeline* out) {
+  const VkPipelineShaderStageCreateInfo stages[] = {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0,
+                                                     VK_SHADER_STAGE_VERTEX_BIT, drawing.vertex, "main", nullptr},
+                                                    {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0,
+                                                     VK_SHADER_STAGE_FRAGMENT_BIT, drawing.fragment, "main", nullptr}};
   const VkVertexInputBindingDescription binding{0, 16, VK_VERTEX_INPUT_RATE_VERTEX};
   const VkVertexInputAttributeDescription attributes[] = {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32_SFLOAT, 8}};
   const VkPipelineVertexInputStateCreateInfo input{
       VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO, nullptr, 0, 1, &binding, 2, attributes};
   const VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, nullptr, 0,
-                                                        topology, VK_FALSE};
+                                                        drawing.topology, VK_FALSE};
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineRasterizationStateCreateInfo rasterization{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   rasterization.lineWidth = 1;
+  rasterization.cullMode = drawing.cull;
+  rasterization.depthClampEnable = drawing.depth_clamp;
+  rasterization.depthBiasEnable = drawing.depth_bias != 0;
+  rasterization.depthBiasConstantFactor = drawing.depth_bias;
+  rasterization.depthBiasClamp = drawing.depth_bias_clamp;
+  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+  depth.depthCompareOp = drawing.depth_compare;
   VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
   VkPipelineColorBlendAttachmentState blend_attachment{};
@@ -204,11 +226,12 @@ inline VkResult PipelineClient::graphics_pipeline(VkPipelineLayout layout, VkRen
   info.pViewportState = &viewport;
   info.pRasterizationState = &rasterization;
   info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = layout;
-  info.renderPass = pass;
-  info.subpass = subpass;
+  info.layout = drawing.layout;
+  info.renderPass = drawing.pass;
+  info.subpass = drawing.subpass;
   const VkResult result = VK(*this, CreateGraphicsPipelines)(device, VK_NULL_HANDLE, 1, &info, nullptr, out);
   defer([this, pipeline = *out] { VK(*this, DestroyPipeline)(device, pipeline, nullptr); });
   return result;
