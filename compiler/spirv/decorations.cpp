@@ -6,7 +6,7 @@ namespace pineda::spirv {
 namespace {
 
 void apply(Decorations& d, const Instruction& inst, uint32_t at) {
-  switch (static_cast<spv::Decoration>(inst.word(at))) {
+  switch (inst.word_as<spv::Decoration>(at)) {
     case spv::DecorationLocation: d.location = inst.word(at + 1); break;
     case spv::DecorationComponent: d.component = inst.word(at + 1); break;
     case spv::DecorationIndex: d.index = inst.word(at + 1); break;

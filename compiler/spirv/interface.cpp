@@ -117,7 +117,7 @@ class Flattener {
   }
 
   void built_in(ir::Type scalar, uint32_t number, uint32_t component) {
-    const auto* row = std::ranges::find(kBuiltIns, static_cast<spv::BuiltIn>(number), &BuiltInRow::spv_built_in);
+    const auto* row = std::ranges::find(kBuiltIns, number, [](const BuiltInRow& r) { return static_cast<uint32_t>(r.spv_built_in); });
     if (row == std::end(kBuiltIns)) {
       entries_.push_back({.unknown_built_in = number});
       return;

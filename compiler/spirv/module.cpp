@@ -176,7 +176,7 @@ class Parser {
       const bool is_mode = inst.op() == spv::OpExecutionMode || inst.op() == spv::OpExecutionModeId;
       if (!is_mode || inst.word(1) != m_.entry_point) continue;
       check_execution_mode(inst);
-      const auto mode = static_cast<spv::ExecutionMode>(inst.word(2));
+      const auto mode = inst.word_as<spv::ExecutionMode>(2);
       if (mode == spv::ExecutionModeEarlyFragmentTests) m_.info.early_fragment_tests = true;
       for (uint32_t axis = 0; axis < 3; ++axis) {
         if (mode == spv::ExecutionModeLocalSize) m_.info.local_size[axis] = inst.word(3 + axis);

@@ -158,7 +158,7 @@ struct Folder {
   }
 
   std::vector<uint32_t> run() const {
-    const auto op = static_cast<spv::Op>(inst.word(3));
+    const auto op = inst.word_as<spv::Op>(3);
     switch (op) {
       case spv::OpCompositeExtract: return extract();
       case spv::OpCompositeInsert: return insert();

@@ -53,14 +53,14 @@ void check_support(const Instruction& inst) {
     }
     return;
   }
-  const auto capability = static_cast<spv::Capability>(inst.word(1));
+  const auto capability = inst.word_as<spv::Capability>(1);
   const auto* row = std::ranges::find(kCapabilities, capability, &CapabilityRow::capability);
   const std::string name = row == std::end(kCapabilities) ? std::to_string(capability) : row->name;
   if (row == std::end(kCapabilities) || !row->supported) inst.fail("capability " + name + " is not supported");
 }
 
 void check_execution_mode(const Instruction& inst) {
-  switch (static_cast<spv::ExecutionMode>(inst.word(2))) {
+  switch (inst.word_as<spv::ExecutionMode>(2)) {
     case spv::ExecutionModeOriginUpperLeft:
     case spv::ExecutionModeEarlyFragmentTests:
     case spv::ExecutionModeDepthReplacing:

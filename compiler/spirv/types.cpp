@@ -56,11 +56,11 @@ void image(const Module& m, Type& t, const Instruction& inst) {
   const Type& texel = element_type(m, inst, inst.word(2));
   t.kind = TypeKind::kImage;
   t.element = texel.id;
-  t.image = {.dim = static_cast<spv::Dim>(inst.word(3)),
+  t.image = {.dim = inst.word_as<spv::Dim>(3),
              .arrayed = inst.word(5) != 0,
              .multisampled = inst.word(6) != 0,
              .storage = inst.word(7) == 2,
-             .format = static_cast<spv::ImageFormat>(inst.word(8))};
+             .format = inst.word_as<spv::ImageFormat>(8)};
   if (texel.kind != TypeKind::kFloat && texel.kind != TypeKind::kInt) inst.fail("the sampled type must be a 32-bit number");
   if (inst.word(7) != 1 && inst.word(7) != 2) inst.fail("Sampled must be 1 or 2 in Vulkan");
   const bool known = t.image.dim == spv::Dim1D || t.image.dim == spv::Dim2D || t.image.dim == spv::Dim3D || t.image.dim == spv::DimCube;
@@ -90,7 +90,7 @@ void declare_type(Module& m, const Instruction& inst) {
     case spv::OpTypeStruct: structure(m, t, inst); break;
     case spv::OpTypePointer:
       t.kind = TypeKind::kPointer;
-      t.storage = static_cast<spv::StorageClass>(inst.word(2));
+      t.storage = inst.word_as<spv::StorageClass>(2);
       t.element = element_type(m, inst, inst.word(3)).id;
       break;
     case spv::OpTypeImage: image(m, t, inst); break;
@@ -116,7 +116,7 @@ void declare_type(Module& m, const Instruction& inst) {
 
 void declare_variable(Module& m, const Instruction& inst) {
   const Type& pointer = m.type(inst.word(1));
-  const auto storage = static_cast<spv::StorageClass>(inst.word(3));
+  const auto storage = inst.word_as<spv::StorageClass>(3);
   if (pointer.kind != TypeKind::kPointer) inst.fail("the type is not a pointer");
   if (pointer.storage != storage) inst.fail("the storage class is not its type's");
   const uint32_t initializer = inst.word_or(4, 0);
