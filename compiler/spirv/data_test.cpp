@@ -1,4 +1,5 @@
 // Composites, matrices, variables, buffer layouts, functions on vectors, specialization, atomics, shared memory.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -161,7 +162,7 @@ TEST(SpirvData, UniformLayouts) {
   FakeStage stage;
   stage.buffers[0].words.resize(16);
   Words& u = stage.buffers[10].words;
-  for (uint32_t i = 0; i < 76; ++i) u.push_back(word(float(i)));  // word i holds i
+  for (uint32_t i = 0; i < 80; ++i) u.push_back(word(float(i)));  // word i holds i
   Words& push = stage.buffers[9999].words;
   push = floats({0, 0, 0, 0, 40, 41});
   push.push_back(1);

@@ -7,7 +7,7 @@ namespace pineda::spirv {
 void Flow::run() {
   const Instruction& at = t_.m.instructions[f_.first];
   if (f_.blocks.empty()) at.fail("the function has no body");
-  push_target(at, kReturn);
+  if (f_.returns_early) push_target(at, kReturn);
   sequence(f_.blocks[0].label, kReturn);
 }
 
@@ -179,7 +179,10 @@ bool Flow::terminator(const Block& current, uint32_t stop, std::optional<uint32_
       return switch_(current) && behind(inst, current.merge, stop, mark, next);
     }
     case spv::OpReturnValue: t_.set_return(inst); [[fallthrough]];
-    case spv::OpReturn: return kReturn == stop || !jump(inst, kReturn);
+    case spv::OpReturn:
+      if (stop == kReturn) return true;
+      if (!jump(inst, kReturn)) inst.fail("control flow is not structured");
+      return false;
     case spv::OpKill:
     case spv::OpTerminateInvocation:
       if (!t_.is_fragment()) inst.fail("stands outside a fragment shader");

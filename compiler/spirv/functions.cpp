@@ -94,9 +94,15 @@ class FunctionReader {
     if (function_.parameters.size() != parameter_types_.size()) {
       m_.instructions[function_.first].fail("does not have the parameters of its type");
     }
+    uint32_t returns = 0, dead_ends = 0;
     for (const Block& block : function_.blocks) {
       const Instruction& end = m_.instructions[block.terminator];
       switch (end.op()) {
+        case spv::OpReturn:
+        case spv::OpReturnValue: ++returns; break;
+        case spv::OpKill:
+        case spv::OpTerminateInvocation:
+        case spv::OpUnreachable: ++dead_ends; break;
         case spv::OpBranch: add_edge(end, end.word(1)); break;
         case spv::OpBranchConditional:
           add_edge(end, end.word(2));
@@ -113,6 +119,8 @@ class FunctionReader {
         end.fail("the continue target is missing");
       }
     }
+    // A single return without dead ends beside it stands at the end: every construct's merge block leads there.
+    function_.returns_early = returns > 1 || dead_ends > 0;
     function_.dynamic_parameters.resize(function_.parameters.size());
     function_.written_parameters.resize(function_.parameters.size());
     const uint32_t id = function_.id;

@@ -93,6 +93,7 @@ struct Function {
   std::vector<uint32_t> parameters;        // ids
   std::vector<Block> blocks;               // blocks[0] is the entry
   std::unordered_map<uint32_t, uint32_t> block_index;  // label -> index in blocks
+  bool returns_early = false;              // may return from inside a construct
   std::vector<bool> dynamic_parameters, written_parameters;  // by usage.cpp: what the body does through pointers
 };
 

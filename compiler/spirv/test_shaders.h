@@ -74,6 +74,7 @@ class FakeStage final : public StageInterface {
   };
 
   Input input_value = [](uint32_t, const InterfaceScalar&) { return 0u; };
+  static constexpr uint32_t kShared = 9000;
   std::map<uint32_t, Buffer> buffers;      // key: set * 100 + binding * 10 + array index; 9999: push constants
   uint32_t active = 0xffff, coverage = 0xffff;
   Words shared;
@@ -82,7 +83,6 @@ class FakeStage final : public StageInterface {
   std::vector<ImageAccess> loads, stores;
   std::vector<Output> outputs;
   uint32_t discarded = 0;                  // lanes, after a run
-  uint32_t array_count = 1;                // descriptors in every binding
 
   // ---- StageInterface ----
   ir::Value input(ir::Builder& b, const InterfaceScalar& in) override {
@@ -113,6 +113,8 @@ class FakeStage final : public StageInterface {
       std::array<ir::Value, 4> out{part(r.coord[0]), part(r.coord[1]), part(r.coord[2]), part(r.lod)};
       if (r.result == ir::Type::kF32) {
         for (ir::Value& v : out) v = b.convert(ir::Op::kSToF, ir::Type::kF32, v);
+      } else {
+        for (ir::Value& v : out) v = b.type(v) == ir::Type::kF32 ? b.convert(ir::Op::kFToS, ir::Type::kI32, v) : v;
       }
       return out;
     }
@@ -140,7 +142,10 @@ class FakeStage final : public StageInterface {
   ir::Value covered(ir::Builder& b) override {
     return b.unpack_mask(b.load(ir::Type::kI32, b.wave_ptr(), 4, ir::kInvariant | ir::kSpeculate));
   }
-  ir::Value shared_memory(ir::Builder& b) override { return buffer(b, 90, 0, b.i32(0))->base; }
+  ir::Value shared_memory(ir::Builder& b) override {
+    buffers[kShared];
+    return buffer(b, kShared / 100, 0, b.i32(0))->base;
+  }
 
   // ---- running ----
   // Appends what is left of the kernel: stores of the discarded lanes.
@@ -159,7 +164,7 @@ class FakeStage final : public StageInterface {
       const uint32_t all = static_cast<uint32_t>(buffer.words.size()) * 4;
       table[key] = {reinterpret_cast<uint64_t>(buffer.words.data()), std::min(all, buffer.size_bytes), 0};
     }
-    table[9000] = {reinterpret_cast<uint64_t>(shared.data()), static_cast<uint32_t>(shared.size()) * 4, 0};
+    table[kShared] = {reinterpret_cast<uint64_t>(shared.data()), static_cast<uint32_t>(shared.size()) * 4, 0};
     Words record(kRecordWords, 0);
     record[0] = active;
     record[1] = coverage;
