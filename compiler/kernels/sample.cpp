@@ -65,7 +65,7 @@ class Sampler {
 
   // The four texels of the linear footprint, counter-clockwise from the lower left (section 16.9.5 "Texel Gathering").
   Channels gather() {
-    Value level;
+    LevelIndex level;
     if (request_.lod_mode != LodMode::kImplicit && !state_.single_level) level = choose_levels(b_, source_, request_).level0;
     const Footprint f = footprint(view_level(b_, source_.image, level));
     Channels out{};
@@ -165,7 +165,7 @@ class Sampler {
   }
 
   // Applies the minification or magnification filter, whichever each lane needs; a wave that needs one runs one.
-  Channels filter(const LevelChoice& choice, Value level) {
+  Channels filter(const LevelChoice& choice, const LevelIndex& level) {
     const LevelView view = view_level(b_, source_.image, level);
     if (!choice.magnify) return filter_with(state_.mag_filter, view);
     return channels_if(
@@ -233,14 +233,14 @@ Channels fetch(Builder& b, const SampleSource& source, const SampleRequest& requ
   } else if (request.lod) {
     inside = b.and_(inside, b.ieq(request.lod, b.i32(0)));
   }
-  const LevelView view = view_level(b, source.image, level);
+  const LevelView view = view_level(b, source.image, level ? level_index(b, level) : LevelIndex{});
   Value index[2];
   for (uint32_t a = 0; a < axes; ++a) {
     index[a] = b.iadd(request.coord[a], b.i32(static_cast<uint32_t>(request.offset[a])));
-    inside = b.and_(inside, b.ult(index[a], a == 0 ? view.width : view.height));
+    inside = b.and_(inside, b.ult(index[a], (a == 0 ? view.width : view.height).texels));
   }
   TexelReader reader(b, source, format, layer);
-  reader.forbid_unless(inside);
+  reader.check(inside);
   const Value offset = b.iadd(reader.row_offset(view, index[1]), reader.column_offset(index[0]));
   return swizzle(b, source.state, reader.finish(reader.read(offset, {})));
 }

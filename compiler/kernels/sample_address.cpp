@@ -10,37 +10,42 @@ using ir::Op;
 using ir::Type;
 using ir::Value;
 
-bool is_border(VkSamplerAddressMode mode) { return mode == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER; }
+bool is_border(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER; }
+bool is_repeat(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_REPEAT; }
+bool is_mirrored(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT; }
 
 // Repeating modes with a texel offset wrap the integer index; otherwise the coordinate is wrapped before it is scaled, which
 // loses nothing of it.
-bool wraps_integers(const AxisRequest& axis) {
-  return axis.offset != 0 &&
-         (axis.mode == VK_SAMPLER_ADDRESS_MODE_REPEAT || axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT);
-}
+bool wraps_integers(const AxisRequest& axis) { return axis.offset != 0 && (is_repeat(axis) || is_mirrored(axis)); }
 
-// The position along the axis in texels, in a range of at most [-1, 2 * size]; NaN gives the lower end. Whatever lies further out
-// wraps to or is clamped to the same texels.
-Value position(Builder& b, const AxisRequest& axis) {
-  const Value size = b.convert(Op::kSToF, Type::kF32, axis.size);
-  const Value u = axis.coord;
-  switch (axis.mode) {
-    case VK_SAMPLER_ADDRESS_MODE_REPEAT:
-      return b.fmul(clamp(b, b.fsub(u, b.ffloor(u)), 0, 1), size);
-    case VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT: {
-      const Value even = b.fmul(b.f32(2), b.ffloor(b.fmul(u, b.f32(0.5))));
-      const Value period = clamp(b, b.fsub(u, even), 0, 2);
-      if (wraps_integers(axis)) return b.fmul(period, size);
-      return b.fmul(b.fmin(period, b.fsub(b.f32(2), period)), size);
-    }
-    default:
-      break;
+// Position along the axis in texels: value * scale (value alone when scale is unset). NaN gives one of the ends.
+struct Position {
+  Value value, scale;
+  bool in_image = false;  // in [0, size]; otherwise in [-1, 2 * size]
+};
+
+// Whatever lies further out than the position's range wraps to, or is clamped to, the same texels. fmax and fmin with the bound
+// as first operand give the bound for NaN.
+Position position(Builder& b, const AxisRequest& axis) {
+  const Value u = axis.coord, size = axis.size.texels_f32, zero = b.f32(0), one = b.f32(1);
+  if (is_repeat(axis)) return {b.fmax(zero, b.fsub(u, b.ffloor(u))), size, !wraps_integers(axis)};
+  if (is_mirrored(axis)) {
+    const Value even = b.fmul(b.f32(2), b.ffloor(b.fmul(u, b.f32(0.5))));
+    const Value period = b.fmax(zero, b.fsub(u, even));
+    if (wraps_integers(axis)) return {period, size};
+    return {b.fmin(period, b.fsub(b.f32(2), period)), size, true};
+  }
+  if (!axis.unnormalized && axis.offset == 0) {
+    if (axis.mode == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE) return {b.fmin(b.fmax(zero, u), one), size, true};
+    if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) return {b.fmin(one, b.fabs(u)), size, true};
   }
   Value s = axis.unnormalized ? u : b.fmul(u, size);
   if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) s = b.fabs(s);
   if (axis.offset != 0) s = b.fadd(s, b.f32(axis.offset));
-  return b.fmin(b.fmax(b.f32(-1), s), b.fadd(size, b.f32(1)));
+  return {b.fmin(b.fmax(b.f32(-1), s), b.fadd(size, one)), {}};
 }
+
+Value last_texel(Builder& b, const AxisRequest& axis) { return b.isub(axis.size.texels, b.i32(1)); }
 
 // i modulo n, for n > 0.
 Value modulo(Builder& b, Value i, Value n) {
@@ -50,29 +55,32 @@ Value modulo(Builder& b, Value i, Value n) {
 
 Value wrap_integer(Builder& b, const AxisRequest& axis, Value i) {
   i = b.iadd(i, b.i32(static_cast<uint32_t>(axis.offset)));
-  if (axis.mode == VK_SAMPLER_ADDRESS_MODE_REPEAT) return modulo(b, i, axis.size);
-  const Value period = b.shl(axis.size, b.i32(1));
+  if (is_repeat(axis)) return modulo(b, i, axis.size.texels);
+  const Value period = b.shl(axis.size.texels, b.i32(1));
   const Value j = modulo(b, i, period);
   return b.umin(j, b.isub(b.isub(period, b.i32(1)), j));
 }
 
-// `inside` for the border mode, else the index brought into range.
+// An index from a position that is not known to be in the image.
 struct Bounded {
   Value i, inside;
 };
 Bounded bound(Builder& b, const AxisRequest& axis, Value i) {
-  if (is_border(axis.mode)) return {i, b.ult(i, axis.size)};
+  const Value last = last_texel(b, axis);
+  if (is_border(axis)) return {b.umin(i, last), b.ult(i, axis.size.texels)};
   if (wraps_integers(axis)) return {wrap_integer(b, axis, i), {}};
-  return {b.smin(b.smax(i, b.i32(0)), b.isub(axis.size, b.i32(1))), {}};
+  return {b.smin(b.smax(i, b.i32(0)), last), {}};
 }
 
 }  // namespace
 
 NearestTexel nearest_texel(Builder& b, const AxisRequest& axis) {
-  // Positions are bounded, so the conversion never saturates. A wrapped coordinate that rounds up to 1 is a tiny negative one:
-  // last texel.
-  const Value i = b.convert(Op::kFToS, Type::kI32, b.ffloor(position(b, axis)));
-  const Bounded bounded = bound(b, axis, i);
+  const Position p = position(b, axis);
+  const Value s = p.scale ? b.fmul(p.value, p.scale) : p.value;
+  if (p.in_image) {  // a coordinate that was rounded up to the image's end belongs to its last texel
+    return {b.umin(b.convert(Op::kFToS, Type::kI32, s), last_texel(b, axis)), {}};
+  }
+  const Bounded bounded = bound(b, axis, b.convert(Op::kFToS, Type::kI32, b.ffloor(s)));
   return {bounded.i, bounded.inside};
 }
 
@@ -80,14 +88,16 @@ LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
   // Position of the lower texel's centre in 1/256 texel: (s - 0.5) * 256, rounded to nearest even by the constant 1.5 * 2^23,
   // which leaves the integer in the low bits (|s| is below 2^15).
   constexpr double kRound = 0x1.8p23;
-  const Value shifted = b.fma(position(b, axis), b.f32(256), b.f32(kRound - 128));
-  const Value fx8 = b.isub(b.op(Op::kBitcast, Type::kI32, {shifted}), b.i32(0x4B400000));
-  const Value i0 = b.ashr(fx8, b.i32(8)), i1 = b.iadd(i0, b.i32(1));
+  const Position p = position(b, axis);
+  const Value scale = p.scale ? b.fmul(p.scale, b.f32(256)) : b.f32(256);
+  const Value bits = b.op(Op::kBitcast, Type::kI32, {b.fma(p.value, scale, b.f32(kRound - 128))});
+  const Value i0 = b.ashr(b.isub(bits, b.i32(0x4B400000)), b.i32(8)), i1 = b.iadd(i0, b.i32(1));
   LinearTexels out;
-  out.weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(fx8, b.i32(255))), b.f32(1.0 / 256));
-  if (axis.mode == VK_SAMPLER_ADDRESS_MODE_REPEAT && !wraps_integers(axis)) {  // i0 in [-1, size), i1 in [0, size]
-    out.i0 = b.select(b.slt(i0, b.i32(0)), b.isub(axis.size, b.i32(1)), i0);
-    out.i1 = b.select(b.slt(i1, axis.size), i1, b.i32(0));
+  out.weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(bits, b.i32(255))), b.f32(1.0 / 256));
+  if (p.in_image) {  // i0 in [-1, size), i1 in [0, size]
+    const Value last = last_texel(b, axis);
+    out.i0 = is_repeat(axis) ? b.umin(i0, last) : b.smax(i0, b.i32(0));
+    out.i1 = is_repeat(axis) ? b.select(b.slt(i1, axis.size.texels), i1, b.i32(0)) : b.umin(i1, last);
     return out;
   }
   const Bounded low = bound(b, axis, i0), high = bound(b, axis, i1);

@@ -8,15 +8,21 @@
 
 namespace pineda::kernels {
 
+struct AxisSize {
+  ir::Value texels;  // I32, at least 1
+  ir::Value texels_f32;
+};
+
 struct AxisRequest {
   ir::Value coord;  // F32
-  ir::Value size;   // I32, texels, at least 1
+  AxisSize size;
   VkSamplerAddressMode mode = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   bool unnormalized = false;
   int32_t offset = 0;  // texels
 };
 
-// Indices are in [0, size) except outside, where `inside` is false and the border colour replaces the texel.
+// Indices are in [0, size) whatever the coordinate, NaN included, so reads need no further check. Where `inside` is false (border
+// mode) the border colour replaces the texel.
 struct NearestTexel {
   ir::Value i;       // I32
   ir::Value inside;  // B1; unset = always

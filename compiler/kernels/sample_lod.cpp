@@ -71,6 +71,21 @@ Value level_of_detail(Builder& b, const SampleSource& source, const spirv::Sampl
   return b.fmin(b.fmax(least, lod), sampler_word(b, source, offsetof(SamplerDescriptor, max_lod)));
 }
 
+// The IR has no way to read one lane, but a ballot of each bit of the level gives all of it.
+LevelIndex level_index(Builder& b, Value lane_level) {
+  constexpr uint32_t kLevelBits = 4;
+  static_assert(kMaxMipLevels < 1u << kLevelBits);
+  LevelIndex out{.lane = lane_level, .uniform = b.b1(true), .wave = b.i32(0)};
+  const Value active = b.ballot(b.b1(true));
+  for (uint32_t bit = 0; bit < kLevelBits; ++bit) {
+    const Value lanes = b.ballot(b.ine(b.and_(lane_level, b.i32(1u << bit)), b.i32(0)));
+    const Value any = b.ine(lanes, b.i32(0));
+    out.uniform = b.and_(out.uniform, b.or_(b.not_(any), b.ieq(lanes, active)));
+    out.wave = b.or_(out.wave, b.shl(b.convert(Op::kZExt, Type::kI32, any), b.i32(bit)));
+  }
+  return out;
+}
+
 LevelChoice choose_levels(Builder& b, const SampleSource& source, const spirv::SampleRequest& request) {
   const compiler::TextureState& state = source.state;
   const bool filters_differ = state.min_filter != state.mag_filter;
@@ -85,12 +100,13 @@ LevelChoice choose_levels(Builder& b, const SampleSource& source, const spirv::S
   const Value last = b.umin(b.isub(level_count, b.i32(1)), b.i32(kMaxMipLevels));
   const Value d = b.fmin(b.fmax(b.f32(0), lod), b.convert(Op::kSToF, Type::kF32, last));
   if (state.mipmap_mode == VK_SAMPLER_MIPMAP_MODE_NEAREST) {  // nearest(d) = ceil(d + 0.5) - 1
-    out.level0 = b.isub(b.convert(Op::kFToS, Type::kI32, b.fceil(b.fadd(d, b.f32(0.5)))), b.i32(1));
+    out.level0 = level_index(b, b.isub(b.convert(Op::kFToS, Type::kI32, b.fceil(b.fadd(d, b.f32(0.5)))), b.i32(1)));
     return out;
   }
   const Value fx8 = b.convert(Op::kFToS, Type::kI32, b.fround_even(b.fmul(d, b.f32(256))));
-  out.level0 = b.lshr(fx8, b.i32(8));
-  out.level1 = b.umin(b.iadd(out.level0, b.i32(1)), last);
+  out.level0 = level_index(b, b.lshr(fx8, b.i32(8)));
+  const auto next = [&](Value level) { return b.umin(b.iadd(level, b.i32(1)), last); };
+  out.level1 = {next(out.level0.lane), out.level0.uniform, next(out.level0.wave)};
   out.fraction = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(fx8, b.i32(255))), b.f32(1.0 / 256));
   return out;
 }

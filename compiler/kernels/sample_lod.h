@@ -5,10 +5,19 @@
 
 namespace pineda::kernels {
 
+// A mip level for each lane; mostly the same one for the whole wave, and then what follows from it is scalar.
+struct LevelIndex {
+  ir::Value lane;     // I32; unset = level 0 of the view
+  ir::Value uniform;  // B1, wave rate: all active lanes have the same level
+  ir::Value wave;     // I32, wave rate: that level
+  explicit operator bool() const { return static_cast<bool>(lane); }
+};
+LevelIndex level_index(ir::Builder& b, ir::Value lane_level);
+
 struct LevelChoice {
-  ir::Value magnify;   // B1; unset when both filters are the same or no LOD exists: then use the magnification filter
-  ir::Value level0;    // I32; unset = level 0
-  ir::Value level1;    // linear mip filter only
+  ir::Value magnify;  // B1; unset when both filters are the same or no LOD exists: then use the magnification filter
+  LevelIndex level0;
+  LevelIndex level1;   // linear mip filter only
   ir::Value fraction;  // F32, weight of level1: a multiple of 1/256; unset = one level
 };
 

@@ -16,36 +16,54 @@ Value image_word(Builder& b, Value image, size_t offset_bytes) {
   return b.load(Type::kI32, image, static_cast<uint32_t>(offset_bytes), kFixed);
 }
 
+// What the descriptor says of a level. `level`: unset, wave or lane rate.
+LevelView load_level(Builder& b, Value image, Value level) {
+  Value width = image_word(b, image, offsetof(ImageDescriptor, width)),
+        height = image_word(b, image, offsetof(ImageDescriptor, height));
+  Value record = b.i32(0);
+  if (level) {
+    width = b.lshr(width, level);
+    height = b.lshr(height, level);
+    record = b.shl(b.umin(level, b.i32(kMaxMipLevels)), b.i32(3));
+  }
+  const auto field = [&](size_t offset_bytes) {
+    const Value offset = b.iadd(record, b.i32(static_cast<uint32_t>(offsetof(ImageDescriptor, levels) + offset_bytes)));
+    return b.load(Type::kI32, {.base = image, .offset = offset}, kFixed);
+  };
+  const auto size = [&](Value texels) {
+    texels = b.umax(texels, b.i32(1));
+    return AxisSize{texels, b.convert(Op::kSToF, Type::kF32, texels)};
+  };
+  return {size(width), size(height), field(offsetof(MipLevel, offset_bytes)), field(offsetof(MipLevel, row_pitch_bytes))};
+}
+
 }  // namespace
 
-LevelView view_level(Builder& b, Value image, Value level) {
-  LevelView view{.width = image_word(b, image, offsetof(ImageDescriptor, width)),
-                 .height = image_word(b, image, offsetof(ImageDescriptor, height))};
-  const size_t first = offsetof(ImageDescriptor, levels);
-  if (!level) {
-    view.offset_bytes = image_word(b, image, first + offsetof(MipLevel, offset_bytes));
-    view.row_pitch_bytes = image_word(b, image, first + offsetof(MipLevel, row_pitch_bytes));
-  } else {
-    view.width = b.lshr(view.width, level);
-    view.height = b.lshr(view.height, level);
-    const Value record = b.shl(b.umin(level, b.i32(kMaxMipLevels)), b.i32(3));
-    const auto field = [&](size_t offset_bytes) {
-      return b.load(Type::kI32, {.base = image, .offset = b.iadd(record, b.i32(static_cast<uint32_t>(first + offset_bytes)))},
-                    kFixed);
-    };
-    view.offset_bytes = field(offsetof(MipLevel, offset_bytes));
-    view.row_pitch_bytes = field(offsetof(MipLevel, row_pitch_bytes));
-  }
-  view.width = b.umax(view.width, b.i32(1));
-  view.height = b.umax(view.height, b.i32(1));
-  return view;
+LevelView view_level(Builder& b, Value image, const LevelIndex& level) {
+  if (!level) return load_level(b, image, {});
+  const auto list = [&](Value l) {
+    const LevelView v = load_level(b, image, l);
+    return std::vector{v.width.texels,      v.width.texels_f32, v.height.texels,
+                       v.height.texels_f32, v.offset_bytes,     v.row_pitch_bytes};
+  };
+  const std::vector<Type> types{Type::kI32, Type::kF32, Type::kI32, Type::kF32, Type::kI32, Type::kI32};
+  const std::vector<Value> v = b.if_else(
+      level.uniform, types, [&] { return list(level.wave); }, [&] { return list(level.lane); });
+  return {{v[0], v[1]}, {v[2], v[3]}, v[4], v[5]};
 }
 
 TexelReader::TexelReader(Builder& b, const SampleSource& source, const FormatInfo& format, Value layer)
     : b_(b), source_(source), format_(format) {
-  base_ = b.load(Type::kPtr, source.image, offsetof(ImageDescriptor, address), kFixed);
-  size_bytes_ = image_word(b, source.image, offsetof(ImageDescriptor, size_bytes));
+  // Bounded indices stay inside the memory that the descriptor describes. A null image is an all-zero descriptor of one texel at
+  // offset zero: it reads the descriptor's own zeros.
+  const Value size_bytes = image_word(b, source.image, offsetof(ImageDescriptor, size_bytes));
+  const Value address = b.load(Type::kPtr, source.image, offsetof(ImageDescriptor, address), kFixed);
+  base_ = b.select(b.ine(size_bytes, b.i32(0)), address, source.image);
   if (layer) layer_offset_ = b.imul(layer, image_word(b, source.image, offsetof(ImageDescriptor, layer_pitch_bytes)));
+}
+
+void TexelReader::check(Value inside) {
+  limit_ = b_.select(inside, image_word(b_, source_.image, offsetof(ImageDescriptor, size_bytes)), b_.i32(0));
 }
 
 Value TexelReader::row_offset(const LevelView& level, Value y) {
@@ -77,8 +95,8 @@ Value TexelReader::border(uint32_t c) {
 }
 
 Channels TexelReader::read(Value offset_bytes, Value inside) {
-  // The size check makes every address safe, whatever a descriptor or an inactive lane holds.
-  const Words words = load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = size_bytes_}, kFixed);
+  // Not kSpeculate: an index is bounded where the lane is active; elsewhere the size that bounds it may be rubbish.
+  const Words words = load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = limit_}, ir::kInvariant);
   Channels out{};
   for (uint32_t c = 0; c < 4; ++c) {
     if (format_.component[c].bits == 0) continue;

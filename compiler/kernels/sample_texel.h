@@ -1,17 +1,18 @@
 // Reading texels of a sampled image, and bringing them to the form in which they are filtered.
 #pragma once
 
-#include "compiler/kernels/sample.h"
+#include "compiler/kernels/sample_address.h"
+#include "compiler/kernels/sample_lod.h"
 
 namespace pineda::kernels {
 
-// One level as a lane sees it: sizes in texels, bytes from the image's address.
+// One level as a lane sees it; bytes from the image's address.
 struct LevelView {
-  ir::Value width, height;
+  AxisSize width, height;
   ir::Value offset_bytes, row_pitch_bytes;
 };
-// `level` unset: level 0, constant over the draw.
-LevelView view_level(ir::Builder& b, ir::Value image, ir::Value level);
+// Without a level: level 0, constant over the draw.
+LevelView view_level(ir::Builder& b, ir::Value image, const LevelIndex& level);
 
 // Texels are filtered in code units (0..255 for 8-bit UNORM: F32 sums of at most 255 * 2^16 weights are exact) and scaled once,
 // by finish().
@@ -26,8 +27,8 @@ class TexelReader {
   // The texel at a byte offset, in filter units, border colour where `inside` (B1) is set and false. Components that the format
   // lacks are unset.
   Channels read(ir::Value offset_bytes, ir::Value inside);
-  // Lanes where `inside` is false read texels of zero bytes from now on.
-  void forbid_unless(ir::Value inside) { size_bytes_ = b_.select(inside, size_bytes_, b_.i32(0)); }
+  // Texel indices are not bounded yet (texel fetch): lanes where `inside` is false read texels of zero bytes from now on.
+  void check(ir::Value inside);
 
   // From filter units to values, defaults filled in.
   Channels finish(const Channels& filtered);
@@ -41,7 +42,7 @@ class TexelReader {
   ir::Builder& b_;
   const SampleSource& source_;
   const FormatInfo& format_;
-  ir::Value base_, size_bytes_, layer_offset_;
+  ir::Value base_, limit_, layer_offset_;
 };
 
 // The view's component swizzle, on values.
