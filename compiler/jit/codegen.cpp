@@ -1,7 +1,7 @@
 #include "compiler/jit/codegen.h"
 
 #include <array>
-#include <mutex>
+#include <iterator>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -10,6 +10,7 @@
 #include <llvm/MC/MCContext.h>
 #include <llvm/MC/TargetRegistry.h>
 #include <llvm/Passes/PassBuilder.h>
+#include <llvm/Support/CommandLine.h>
 #include <llvm/Support/TargetSelect.h>
 #include <llvm/Support/raw_ostream.h>
 #include <llvm/Transforms/Scalar/EarlyCSE.h>
@@ -39,12 +40,30 @@ const Target& target_of(Isa isa) {
 
 constexpr const char* kTriple = "x86_64-unknown-linux-gnu";
 
+// Code generation passes that cost compile time and gain nothing on kernels: our IR has been optimised, addresses are simple, blocks are long and
+// loops are few. Measured on Sapphire Rapids, AVX-512 (a 26-instruction SAXPY; a 201-instruction lit fragment kernel; 4 bilinear taps):
+//                            compile ms              run ns per wave
+//     LLVM's -O2 list        2.7    6.3   5.9        1.9   23.8   30.9
+//     without these          2.1    5.4   4.7        1.9   23.7   29.4
+//     no machine LICM too    2.0    5.2   4.6        2.7   23.4   30.3     (kept: it hoists constants out of short loops)
+//     no scheduler either    1.9    4.4   4.2        2.7   23.8   31.4     (kept: AVX2 spills 10 % more without)
+// LLVM has no interface for this other than its command line. This copy of LLVM is ours alone, so no other user's options are touched.
+void drop_useless_passes() {
+  static constexpr const char* kOptions[] = {
+      "pineda_jit", "-disable-lsr", "-disable-cgp", "-disable-machine-sink", "-disable-machine-cse", "-disable-early-taildup",
+      "-disable-tail-duplicate", "-disable-early-ifcvt", "-disable-postra-machine-licm", "-disable-postra-machine-sink",
+      "-disable-post-ra", "-disable-copyprop", "-disable-constant-hoisting", "-disable-partial-libcall-inlining",
+      "-disable-mergeicmps", "-disable-x86-domain-reassignment", "-disable-x86-lea-opt"};
+  llvm::cl::ParseCommandLineOptions(static_cast<int>(std::size(kOptions)), kOptions);
+}
+
 const llvm::Target* llvm_target() {
   static const llvm::Target* target = [] {
     LLVMInitializeX86TargetInfo();
     LLVMInitializeX86Target();
     LLVMInitializeX86TargetMC();
     LLVMInitializeX86AsmPrinter();
+    drop_useless_passes();
     std::string error;
     return llvm::TargetRegistry::lookupTarget(kTriple, error);
   }();

@@ -74,9 +74,11 @@ Emitter::V Emitter::truncate_f32(V x) {
                               {x, off, b_.getInt16(0xffff), b_.getInt32(kCurrentRounding)});
   }
   const bool wide = features_.vector_bits == 256;
-  return per_chunk(x, wide ? 8 : 4, [&](V part) {
-    return b_.CreateIntrinsic(wide ? llvm::Intrinsic::x86_avx_cvtt_ps2dq_256 : llvm::Intrinsic::x86_sse2_cvttps2dq, {}, {part});
-  });
+  std::vector<V> parts = split(x, wide ? 8 : 4);
+  for (V& part : parts) {
+    part = b_.CreateIntrinsic(wide ? llvm::Intrinsic::x86_avx_cvtt_ps2dq_256 : llvm::Intrinsic::x86_sse2_cvttps2dq, {}, {part});
+  }
+  return join(std::move(parts));
 }
 
 Emitter::V Emitter::truncate_f32_unsigned_512(V x) {
@@ -86,15 +88,19 @@ Emitter::V Emitter::truncate_f32_unsigned_512(V x) {
                             {x, off, b_.getInt16(0xffff), b_.getInt32(kCurrentRounding)});
 }
 
-// Applies fn to each run of `lanes` elements: for intrinsics that exist for one width only.
-Emitter::V Emitter::per_chunk(V x, uint32_t lanes, const std::function<V(V)>& fn) {
+// The 16 lanes in runs of `lanes`, and back: for what exists for one width only.
+std::vector<Emitter::V> Emitter::split(V x, uint32_t lanes) {
   std::vector<V> parts;
   for (uint32_t first = 0; first < kLanes; first += lanes) {
     std::vector<int> from(lanes);
     for (uint32_t l = 0; l < lanes; ++l) from[l] = static_cast<int>(first + l);
-    parts.push_back(fn(b_.CreateShuffleVector(x, from)));
+    parts.push_back(b_.CreateShuffleVector(x, from));
   }
-  while (parts.size() > 1) {  // concatenate pairwise
+  return parts;
+}
+
+Emitter::V Emitter::join(std::vector<V> parts) {
+  while (parts.size() > 1) {  // pairwise
     std::vector<V> joined;
     for (size_t i = 0; i < parts.size(); i += 2) {
       const auto n = llvm::cast<llvm::FixedVectorType>(parts[i]->getType())->getNumElements();

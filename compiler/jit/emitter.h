@@ -154,6 +154,8 @@ class Emitter {
   V emit_fma(const ir::Inst& inst);
   V fma_to_odd_f64(V a, V b, V c);
   V fma_f64_by_call(V a, V b, V c);
+  V fma_f32_by_call(V a, V b, V c);
+  llvm::Function* create_fma_function(uint32_t lanes);
   V emit_canon(const ir::Inst& inst);
 
   // ---- emit_convert.cpp
@@ -171,7 +173,8 @@ class Emitter {
   V round_to_odd(V rounded, V error, llvm::Type* bits_type);
   V widen(V x, ir::Type type);  // F16 -> f32; else unchanged
   V narrow(V x, ir::Type type);
-  V per_chunk(V x, uint32_t lanes, const std::function<V(V)>& fn);
+  std::vector<V> split(V x, uint32_t lanes);
+  V join(std::vector<V> parts);
 
   // ---- emit_memory.cpp
   Access access_of(const ir::Inst& inst, llvm::Type* element);
@@ -259,6 +262,7 @@ class Emitter {
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;
   Exec exec_;
   V draw_ptr_ = nullptr, thread_ptr_ = nullptr, prim_ptr_ = nullptr, wave_ptr_ = nullptr;  // i64
+  llvm::Function* fma_function_ = nullptr;
   llvm::GlobalVariable* zeros_ = nullptr;
 };
 

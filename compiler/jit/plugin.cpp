@@ -58,7 +58,7 @@ Code compile(const ir::Kernel& kernel, const Options& options) {
   Emitter emitter(module, kernel, options.isa);
   llvm::Function* function = emitter.run(&code.error);
   if (function == nullptr) return code;
-  set_function_target(*function, options.isa);
+  for (llvm::Function& f : module) set_function_target(f, options.isa);
   const double emit_ms = watch.lap_ms();
   optimize(module, machine, emitter.has_locals());
   const double passes_ms = watch.lap_ms();
