@@ -390,6 +390,32 @@ class Generator {
     for (Value v : b_.if_else(any(Type::kB1), types, side, side)) keep(v);
   }
 
+  // What a translator makes of a break: a lane that leaves keeps what it carried.
+  Value leave_early(Value broken, std::span<const Value> carried, Value& count, std::vector<Value>& next, Value again) {
+    if (random_.one_in(2)) {
+      count = b_.select(broken, carried[0], count);
+      for (size_t k = 0; k < next.size(); ++k) next[k] = b_.select(broken, carried[k + 1], next[k]);
+      return b_.and_(b_.not_(broken), again);
+    }
+    std::vector<Type> types{Type::kB1, Type::kI32};
+    for (Value v : next) types.push_back(b_.type(v));
+    const auto results = b_.if_else(
+        broken, types,
+        [&] {
+          std::vector<Value> out{b_.b1(false)};
+          out.insert(out.end(), carried.begin(), carried.end());
+          return out;
+        },
+        [&] {
+          std::vector<Value> out{again, b_.iadd(carried[0], b_.i32(1))};
+          out.insert(out.end(), next.begin(), next.end());
+          return out;
+        });
+    count = results[1];
+    next.assign(results.begin() + 2, results.end());
+    return results[0];
+  }
+
   // At most five turns; lanes may leave at different times.
   void loop() {
     const std::vector<Type> types = random_types();
@@ -400,9 +426,10 @@ class Generator {
       return scoped([&] {
         for (Value v : carried) keep(v);
         std::vector<Value> next = body(types);
-        const Value count = b_.iadd(carried[0], b_.i32(1));
+        Value count = b_.iadd(carried[0], b_.i32(1));
         Value again = b_.ult(count, bound);
         if (random_.one_in(3)) again = b_.and_(again, any(Type::kB1));
+        if (random_.one_in(2)) again = leave_early(any(Type::kB1), carried, count, next, again);
         next.insert(next.begin(), count);
         return Builder::LoopStep{again, std::move(next)};
       });

@@ -182,7 +182,7 @@ class Folder {
                             kernel_.regions[body].insts.begin() + static_cast<ptrdiff_t>(init.size()));
     for (size_t k = 0; k < init.size(); ++k) {
       const Value next = aliases_.resolve(yields(body)[k + 1]);
-      if (next == args[k] || next == init[k]) aliases_.set(args[k], init[k]);
+      if (next == args[k] || is_same(next, init[k])) aliases_.set(args[k], init[k]);
     }
     region(body, /*scoped=*/true);
     push(v, out);
@@ -194,6 +194,11 @@ class Folder {
         push(result, out);
       }
     }
+  }
+
+  bool is_same(Value a, Value b) const {
+    const Inst &first = kernel_.at(a), &second = kernel_.at(b);
+    return a == b || (first.op == Op::kConst && second.op == Op::kConst && first.type == second.type && first.imm == second.imm);
   }
 
   // A loop that leaves after its first turn is its body.

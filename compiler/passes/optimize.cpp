@@ -67,6 +67,7 @@ void optimize(ir::Kernel& k, Form form) {
   dce(k);
   rates(k);
   flatten_ifs(k);
+  narrow_loops(k);
   if (form == Form::kMachine) {
     lower_math(k);
     fuse_fma(k);

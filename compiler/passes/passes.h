@@ -30,6 +30,9 @@ void cse(ir::Kernel& k);
 // Ifs whose sides are short and pure become selects. Wants rates().
 void flatten_ifs(ir::Kernel& k);
 
+// Carried values of loops with a break become uniform where lanes that go on agree. Wants rates() and dce().
+void narrow_loops(ir::Kernel& k);
+
 // Transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h.
 void lower_math(ir::Kernel& k);
 

@@ -283,6 +283,59 @@ TEST(FlattenIfs, ShortPureSidesBecomeSelects) {
 )");
 }
 
+// ---- narrow_loops ---------------------------------------------------------------------------------------------------------
+
+// for (i = 0; i < 8; ++i) { if (p[lane] < i) break; a += p[lane]; } with i read afterwards: the body's i is uniform, the other's is
+// not.
+TEST(NarrowLoops, ACounterIsUniformInSpiteOfABreak) {
+  const std::string out = run_on_text(R"(%p = wave_ptr ptr
+%l = lane i32
+%z = const i32 0
+%n = const i32 1
+%8 = const i32 8
+%f = const b1 false
+%x = load i32 %p, %l
+%u = loop %z, %z, %f {
+  %i = loop_arg i32 0
+  %a = loop_arg i32 1
+  %b = loop_arg b1 2
+  %c = ult b1 %x, %i
+  %j = if %c {
+    yield %f, %i, %a, %c
+  } else {
+    %k = iadd i32 %i, %n
+    %d = iadd i32 %a, %x
+    %g = ult b1 %k, %8
+    yield %g, %k, %d, %b
+  }
+  %q = result b1 %j, 0
+  %r = result i32 %j, 1
+  %s = result i32 %j, 2
+  %t = result b1 %j, 3
+  yield %q, %r, %s, %t
+}
+%v = result i32 %u, 0
+%w = result i32 %u, 1
+store %p, %l, %v
+store %p, %l, %w
+)",
+                                      [](ir::Kernel& k) {
+                                        rates(k);
+                                        narrow_loops(k);
+                                        fold(k);
+                                        dce(k);
+                                        rates(k);
+                                      });
+  EXPECT_NE(out.find(R"(  %8 = loop %3, %3, %3 {
+    %9 = loop_arg i32 0
+    %10 = loop_arg i32 1
+    %11 = loop_arg i32 2 @wave
+    %12 = ult b1 %7, %11
+)"),
+            std::string::npos)
+      << out;
+}
+
 // ---- fuse_fma -------------------------------------------------------------------------------------------------------------
 
 TEST(FuseFma, TheLeftProductWins) {

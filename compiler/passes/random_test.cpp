@@ -31,13 +31,20 @@ const NamedPass kPasses[] = {
        rates(k);
        flatten_ifs(k);
      }},
+    {"narrow_loops",
+     [](ir::Kernel& k) {
+       ssa(k);
+       dce(k);
+       rates(k);
+       narrow_loops(k);
+     }},
     {"all",
      [](ir::Kernel& k) {
        for (const auto& pass : {ssa, dce}) pass(k);
        fold(k);
        ssa(k);
        fold(k);
-       for (const auto& pass : {cse, dce, rates, flatten_ifs}) pass(k);
+       for (const auto& pass : {cse, dce, rates, flatten_ifs, narrow_loops}) pass(k);
        fold(k);
        for (const auto& pass : {cse, dce, hoist, cse, dce, rates}) pass(k);
      }},

@@ -87,16 +87,17 @@ class Rater {
 
   Rate result(const Inst& inst) const {
     const Inst& owner = kernel_.at(inst.operand[0]);
-    if (owner.op == Op::kLoop) return carried(owner, inst.imm);
     Rate out = owner.rate;
+    if (owner.op == Op::kLoop) {  // lanes that left earlier keep their own last value
+      return std::max(out, rate(ir::yielded(kernel_, owner.region[0])[inst.imm + 1]));
+    }
     for (RegionId side : owner.region) out = std::max(out, rate(ir::yielded(kernel_, side)[inst.imm]));
     return out;
   }
 
-  // Lanes that left the loop keep their value while the others go on, so a carried value is uniform only when all leave together.
+  // In the body only lanes that go on are active, and all of them have made the same number of turns.
   Rate carried(const Inst& loop, uint64_t k) const {
-    const auto& yields = ir::yielded(kernel_, loop.region[0]);
-    return std::max({Rate::kWave, rate(kernel_.lists[loop.list][k]), rate(yields[k + 1]), rate(yields[0])});
+    return std::max({Rate::kWave, rate(kernel_.lists[loop.list][k]), rate(ir::yielded(kernel_, loop.region[0])[k + 1])});
   }
 
   bool loop_args_must_rise(const Inst& loop) const {

@@ -243,8 +243,17 @@ Outcome Simplifier::logic(Inst& inst) {
 
 // A negated comparison stays: LLVM turns it around for free, and assume() in fold.cpp knows that the two are opposites.
 Outcome Simplifier::logic_not(Inst& inst) {
-  const Inst& inner = def(inst.operand[0]);
-  return inner.op == Op::kNot ? is(inner.operand[0]) : kNothing;
+  const Inst inner = def(inst.operand[0]);
+  if (inner.op == Op::kNot) return is(inner.operand[0]);
+  if (inner.op != Op::kAnd && inner.op != Op::kOr) return kNothing;
+  const Value a = inner.operand[0], b = inner.operand[1];
+  if (def(a).op != Op::kNot && def(b).op != Op::kNot) return kNothing;
+  return become(inst, inner.op == Op::kAnd ? Op::kOr : Op::kAnd, {negate(a), negate(b)});  // De Morgan
+}
+
+Value Simplifier::negate(Value v) {
+  const Inst inst = def(v);
+  return inst.op == Op::kNot ? inst.operand[0] : emit({.op = Op::kNot, .type = inst.type, .operand = {v}});
 }
 
 Outcome Simplifier::shift(Inst& inst) {
@@ -361,8 +370,8 @@ Outcome Simplifier::select(Inst& inst) {
   if (b == cond) return become(inst, Op::kAnd, {cond, a});
   if (is_imm(a, 1)) return is_imm(b, 0) ? is(cond) : become(inst, Op::kOr, {cond, b});
   if (is_imm(b, 0)) return become(inst, Op::kAnd, {cond, a});
-  if (is_imm(a, 0) && is_imm(b, 1)) return become(inst, Op::kNot, {cond});
-  return kNothing;
+  if (is_imm(b, 1)) return is_imm(a, 0) ? become(inst, Op::kNot, {cond}) : become(inst, Op::kOr, {negate(cond), a});
+  return is_imm(a, 0) ? become(inst, Op::kAnd, {negate(cond), b}) : kNothing;
 }
 
 Outcome Simplifier::memory(Inst& inst) {

@@ -32,6 +32,7 @@ class Simplifier {
 
   ir::Value constant(ir::Type type, uint64_t imm);  // integers and B1
   ir::Value float_constant(ir::Type type, double v);
+  ir::Value negate(ir::Value v);
   ir::Value emit(const ir::Inst& inst);
   const ir::Inst& def(ir::Value v) const { return kernel_.at(v); }
   ir::Type type(ir::Value v) const { return kernel_.at(v).type; }
