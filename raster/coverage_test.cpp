@@ -103,6 +103,14 @@ TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
     if (i % 5 == 0) v[2] = {v[0].x + static_cast<int64_t>(rng() % 300), v[0].y + static_cast<int64_t>(rng() % 300)};  // slivers
     if (i % 7 == 0)
       for (Point& p : v) p = {p.x / 128 * 128, p.y / 128 * 128};  // samples on edges
+    if (i % 3 == 0) {                                             // an upright or level edge through samples
+      v[0] = {v[0].x / 256 * 256 + 128, v[0].y / 256 * 256 + 128};
+      if (i % 2) {
+        v[1].y = v[0].y;
+      } else {
+        v[1].x = v[0].x;
+      }
+    }
     for (Point& p : v) p.y += (tile_y - tile_x) * 256;
     for (Point& p : v) p = {std::clamp<int64_t>(p.x, kMinFx8, kMaxFx8), std::clamp<int64_t>(p.y, kMinFx8, kMaxFx8)};
     const Triangle t = make_triangle(v);

@@ -5,8 +5,6 @@
 namespace pineda::raster {
 namespace {
 
-constexpr size_t kMaxChunkEntries = 1 << 20;  // 4 MiB of bins; a chunk that grows larger is cut
-
 // Depth bias (Vulkan 1.3, "Depth Bias"): m * slope + r * constant, clamped; m is the larger of the two slopes' magnitudes.
 float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, const int32_t* x, const int32_t* y,
                  std::array<float, 3> z) {
@@ -178,7 +176,7 @@ void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count)
   }
 }
 
-uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ranges, Chunk& chunk) {
+uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ranges, size_t max_entries, Chunk& chunk) {
   chunk_ = &chunk;
   clip_draw_ = nullptr;
   binner_.begin(grid);
@@ -186,7 +184,7 @@ uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ra
   bool full = false;
   // On a grid of very many tiles even one batch of screen-sized triangles would be too much.
   const auto batch_prims =
-      static_cast<uint32_t>(std::clamp<size_t>(2 * kMaxChunkEntries / std::max(1u, grid.count()), kLanes, kBatchPrims));
+      static_cast<uint32_t>(std::clamp<size_t>(2 * max_entries / std::max(1u, grid.count()), kLanes, kBatchPrims));
   for (const PrimRange& range : ranges) {
     for (uint32_t i = 0; i < range.count && !full;) {
       const uint32_t count = std::min(range.count - i, batch_prims);
@@ -197,7 +195,7 @@ uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ra
       }
       i += count;
       done += count;
-      full = binner_.entry_count() > kMaxChunkEntries;
+      full = binner_.entry_count() > max_entries;
     }
     if (full) break;
   }

@@ -15,8 +15,8 @@ namespace pineda::raster {
 class GeometryWorker {
  public:
   // Runs the ranges into `chunk`, which is empty. Returns how many primitives of the concatenated ranges were done: fewer than
-  // all when the chunk has become too large (huge triangles over many tiles).
-  uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, Chunk& chunk);
+  // all when the chunk has more bin entries than `max_entries` (huge triangles over many tiles).
+  uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, size_t max_entries, Chunk& chunk);
 
   PassStatistics statistics{};
 

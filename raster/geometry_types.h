@@ -146,9 +146,8 @@ struct Draw {
   HiZMode hi_z = HiZMode::kNone;
   VkFormat depth_format = VK_FORMAT_UNDEFINED;  // of the pass, for depth bias
   bool writes_depth = false;
-  bool keeps_less = true, keeps_greater = true;  // its depth writes only lower (raise) what is stored
-  bool can_cover = false;                        // a full cover of a tile makes earlier work invisible
-  bool blocks_cover = false;                     // its work is visible whatever comes later (side effects, depth)
+  bool can_cover = false;     // a full cover of a tile makes earlier work invisible
+  bool blocks_cover = false;  // its work is visible whatever comes later (side effects, depth)
   // vkCmdClearAttachments instead of a draw
   bool is_clear = false;
   uint32_t clear_attachment = 0;

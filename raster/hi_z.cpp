@@ -83,11 +83,6 @@ void HiZ::forget() {
 }
 
 void HiZ::begin_draw(const Draw& draw) {
-  if (draw.writes_depth) {
-    if ((direction_ == HiZMode::kLess && !draw.keeps_less) || (direction_ == HiZMode::kGreater && !draw.keeps_greater)) {
-      direction_ = HiZMode::kNone;
-    }
-  }
   const bool was_uniform = uniform_;
   uniform_ &= !draw.writes_depth;
   if (draw.hi_z == HiZMode::kNone || draw.hi_z == direction_) return;

@@ -1,11 +1,14 @@
 // Hi-Z of one tile: for every 4x4 block a bound of the depths stored in it, so that blocks whose every fragment must fail the
 // depth test are left out before shading.
 //
-// Why no bit can change: a block's bound is formed from the depth buffer itself and stays true while writes only move depths away
-// from it (LESS writes only lower them), also for waves that are still queued; before a draw that could move them the other way
-// the tile forgets its bounds. The triangle's side of the comparison has a margin for the rounding of the kernel's own z = z0 +
-// l1 * dz1 + l2 * dz2: with S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below 8 * 2^-24 *
-// (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|); the plane below has as many again.
+// Why no bit can change: a block's bound is formed from the depth buffer itself, and again whenever waves that may write the
+// block have run. Waves that are still queued belong to the same draw, and while it uses the bounds its test lets it move depths
+// only away from them (LESS only lowers them). The triangle's side of the comparison has a margin for the rounding of the
+// kernel's own
+//     z = z0 + l1 * dz1 + l2 * dz2
+// With S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below
+//     8 * 2^-24 * (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|)
+// and the plane below has as many again.
 #pragma once
 
 #include <cstdint>

@@ -19,6 +19,7 @@ struct Options {
   bool opaque = true;                          // opaque full-tile covers drop what lies under them
   size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
+  size_t max_chunk_entries = 1 << 20;          // bin entries after which a chunk is cut: 4 MiB
   Isa isa = Isa::kSse42;
   bool print_statistics = false;
 };

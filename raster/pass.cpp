@@ -143,9 +143,6 @@ void Pass::State::record(const DrawPacket& packet) {
   draw.hi_z = tests_depth ? hi_z_mode(packet) : HiZMode::kNone;
   draw.writes_depth = tests_depth && packet.depth_write;
   const VkCompareOp op = packet.depth_compare;
-  const bool keeps_all = op == VK_COMPARE_OP_EQUAL || op == VK_COMPARE_OP_NEVER;
-  draw.keeps_less = keeps_all || op == VK_COMPARE_OP_LESS || op == VK_COMPARE_OP_LESS_OR_EQUAL;
-  draw.keeps_greater = keeps_all || op == VK_COMPARE_OP_GREATER || op == VK_COMPARE_OP_GREATER_OR_EQUAL;
   draw.can_cover =
       packet.opaque && !packet.has_side_effects && !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
   draw.blocks_cover = packet.has_side_effects || draw.writes_depth;

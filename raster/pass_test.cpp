@@ -89,6 +89,7 @@ TEST(Pass, NothingButTheSceneDecidesTheBits) {
               options.hi_z = options.opaque = options.fast_clear = shortcuts;
               options.bin_budget_bytes = budget;
               options.chunk_prims = budget == 1 ? 37 : 4096;
+              if (threads == 5) options.max_chunk_entries = 700;  // chunks are cut
               Target got(RandomScene::kWidth, RandomScene::kHeight);
               scene.render(got, options, threads, true);
               ASSERT_TRUE(got.color == expected.color) << "threads " << threads << " tile " << tile << " shortcuts " << shortcuts;
@@ -185,6 +186,26 @@ TEST(Pass, OpaqueCoverDropsWhatLiesUnderIt) {
     for (const uint32_t v : target.color) ASSERT_EQ(v, 42u);
     EXPECT_EQ(statistics.blocks_shaded, (side_effects ? 3u : 2u) * 64 * 64);
   }
+}
+
+// A cover hides colours, not what happened to depth.
+TEST(Pass, OpaqueCoverKeepsDepthClears) {
+  Target target(128, 128);
+  TestDraw cover(4, color_kernel);
+  cover.add({-1, -1, 0.5f, 1});
+  cover.add({3, -1, 0.5f, 1});
+  cover.add({-1, 3, 0.5f, 1});
+  ThreadPool pool(1);
+  Pass pass(pool, target.desc(true), test_options());
+  VkClearValue value{};
+  value.depthStencil.depth = 0.25f;
+  const VkRect2D all{{0, 0}, {128, 128}};
+  pass.clear(Pass::kDepth, value, {&all, 1});
+  DrawPacket packet = cover.packet(128, 128);
+  packet.opaque = true;
+  pass.draw(packet);
+  pass.end();
+  for (const float z : target.depth) ASSERT_EQ(z, 0.25f);
 }
 
 TEST(Pass, ScissorAndRenderArea) {

@@ -99,7 +99,7 @@ void Pass::State::run_window(std::vector<Job>& jobs) {
   pool.parallel_for(
       static_cast<uint32_t>(jobs.size()),
       [&](uint32_t i, uint32_t thread) {
-        jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, *jobs[i].chunk);
+        jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, scene.options.max_chunk_entries, *jobs[i].chunk);
       },
       prims >= kSerialPrims);
   for (Job& job : jobs) finish_job(job);
@@ -119,7 +119,11 @@ void Pass::State::finish_job(Job& job) {
     }
     std::unique_ptr<Chunk> chunk = workspace->take_chunk();
     pool.parallel_for(
-        1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, *chunk); }, false);
+        1,
+        [&](uint32_t, uint32_t thread) {
+          job.done += geometry_worker(thread).run(scene.grid, rest, scene.options.max_chunk_entries, *chunk);
+        },
+        false);
     commit(std::move(chunk));
   }
 }
