@@ -16,7 +16,7 @@ VkResult CommandBuffer::begin(const VkCommandBufferBeginInfo& info) {
   const bool continues =
       level == VK_COMMAND_BUFFER_LEVEL_SECONDARY && (info.flags & VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT);
   if (continues && inheritance && inheritance->framebuffer) {
-    const VkExtent2D extent = from(inheritance->framebuffer)->extent;
+    const VkExtent2D extent = from(inheritance->framebuffer)->extent();
     area_px = uint64_t(extent.width) * extent.height;
   }
   return VK_SUCCESS;

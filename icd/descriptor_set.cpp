@@ -1,5 +1,7 @@
 #include "icd/descriptor_set.h"
 
+#include <sys/mman.h>
+
 #include <cstring>
 
 #include "icd/api.h"
@@ -40,6 +42,11 @@ struct Cursor {
 };
 
 }  // namespace
+
+const void* unbound_set_memory() {
+  static const void* const kZeros = mmap(nullptr, kMaxSetBytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  return kZeros == MAP_FAILED ? nullptr : kZeros;
+}
 
 DescriptorSet::DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout)
     : Object(from),
@@ -96,7 +103,10 @@ void DescriptorSet::write_one(const BindingLayout& binding, uint32_t element, co
 
 void DescriptorSet::write(const VkWriteDescriptorSet& write) {
   Cursor to(layout_, write.dstBinding, write.dstArrayElement);
-  for (uint32_t i = 0; i < write.descriptorCount && to.binding; ++i, to.step()) write_one(*to.binding, to.element, write, i);
+  for (uint32_t i = 0; i < write.descriptorCount && to.binding; ++i, to.step()) {
+    if (to.binding->type != write.descriptorType) return;  // invalid usage: another array of infos would be read
+    write_one(*to.binding, to.element, write, i);
+  }
 }
 
 void DescriptorSet::copy(const VkCopyDescriptorSet& copy) {

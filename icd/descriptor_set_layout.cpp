@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "icd/api.h"
+#include "icd/descriptor_set.h"
 #include "icd/device.h"
 #include "icd/sampler.h"
 
@@ -54,7 +55,6 @@ VkResult DescriptorSetLayout::check(Device&, const VkDescriptorSetLayoutCreateIn
     }
     size_bytes += uint64_t(bytes) * binding.descriptorCount;
   }
-  constexpr uint64_t kMaxSetBytes = 64u << 20;  // offsets are 32 bits; far beyond what the limits allow
   return size_bytes <= kMaxSetBytes ? VK_SUCCESS : not_supported("vkCreateDescriptorSetLayout: too many descriptors");
 }
 

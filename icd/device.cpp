@@ -63,8 +63,8 @@ namespace {
 void report_check() {
   const compiler::CheckStatistics checked = compiler::check_statistics();
   report(checked.differing_bytes == 0 ? Severity::kInfo : Severity::kError,
-         "check: " + std::to_string(checked.calls) + " kernel calls stored " + std::to_string(checked.bytes) + " bytes, of which " +
-             std::to_string(checked.differing_bytes) + " differ between machine code and evaluator");
+         "check: " + std::to_string(checked.calls) + " kernel calls stored " + std::to_string(checked.bytes) +
+             " bytes, of which " + std::to_string(checked.differing_bytes) + " differ between machine code and evaluator");
 }
 
 // Every feature is a VkBool32, so the structure is an array of them.

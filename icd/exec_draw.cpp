@@ -4,6 +4,7 @@
 #include "icd/buffer.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/render_pass.h"
 
 namespace pineda::icd {
 
@@ -13,9 +14,21 @@ bool Executor::flush_kernels() {
   return kernels_ != nullptr;
 }
 
-void Executor::flush_packet() {
+// False when the pipeline was made for other attachments (invalid usage): its kernels would write texels of another size.
+bool Executor::flush_packet() {
   const GraphicsState& state = pipeline_->state();
+  const Subpass& subpass = begin_->render_pass->subpass(subpass_);
+  bool compatible = state.fragment.color_count == subpass.color_count && state.fragment.depth.format == subpass.depth.format;
+  for (uint32_t i = 0; compatible && i < subpass.color_count; ++i) {
+    compatible = state.fragment.color[i].format == subpass.color[i].format;
+  }
+  if (!compatible) {
+    device_.lose("a pipeline was used in a subpass whose attachments have other formats than its own render pass");
+    return false;
+  }
+  const DrawContext* context = packet_.context;
   packet_ = {};
+  packet_.context = context;
   packet_.vertex = kernels_->vertex->handle;
   packet_.fragment = kernels_->fragment->handle;
   packet_.vertex_slots = kernels_->vertex_slots;
@@ -36,6 +49,7 @@ void Executor::flush_packet() {
   packet_.depth_test = state.fragment.depth.test_enable;
   packet_.depth_write = state.fragment.depth.write_enable;
   packet_.depth_compare = state.fragment.depth.compare;
+  return true;
 }
 
 void Executor::flush_context(const DrawCall& call) {
@@ -65,9 +79,7 @@ bool Executor::flush() {
     dirty_ = (dirty_ & ~uint32_t(kKernels)) | kPacket;
   }
   if (dirty_ & kPacket) {
-    const DrawContext* context = packet_.context;
-    flush_packet();
-    packet_.context = context;
+    if (!flush_packet()) return false;
     dirty_ &= ~uint32_t(kPacket);
   }
   return true;

@@ -18,7 +18,10 @@ void Executor::execute(const cmd::ResetQueryPool& command) { command.pool->reset
 void Executor::execute(const cmd::WriteTimestamp& command) { command.pool->write_timestamp(command.query); }
 
 void Executor::execute(const cmd::CopyQueryPoolResults& command) {
-  if (!command.destination->data()) return;
+  const VkDeviceSize query_bytes =
+      (command.flags & VK_QUERY_RESULT_64_BIT ? 8 : 4) * (command.flags & VK_QUERY_RESULT_WITH_AVAILABILITY_BIT ? 2 : 1);
+  const VkDeviceSize bytes = command.count == 0 ? 0 : (command.count - 1) * command.stride + query_bytes;
+  if (!command.destination->data() || command.destination->clamp(command.offset, bytes) != bytes) return;
   // Commands before this one have run, so WAIT would only hang on a query that was never written.
   const VkQueryResultFlags flags = command.flags & ~VkQueryResultFlags(VK_QUERY_RESULT_WAIT_BIT);
   (void)command.pool->results(

@@ -1,7 +1,10 @@
 #include "icd/executor.h"
 
+#include <algorithm>
+
 #include "base/srgb.h"
 #include "icd/command_buffer.h"
+#include "icd/descriptor_set.h"
 #include "icd/device.h"
 
 namespace pineda::icd {
@@ -12,6 +15,7 @@ Executor::Executor(Device& device) : device_(device), arena_(device.allocator, V
 
 void Executor::reset_state() {
   graphics_ = {};
+  std::ranges::fill(graphics_.context.sets, unbound_set_memory());
   set_srgb_tables(graphics_.context);
   compute_ = graphics_;
   pipeline_ = nullptr;

@@ -59,7 +59,7 @@ class Executor {
   void draw(const DrawCall& call);
   bool flush();
   bool flush_kernels();
-  void flush_packet();
+  bool flush_packet();
   void flush_context(const DrawCall& call);
   raster::IndexBuffer index_buffer() const;
 

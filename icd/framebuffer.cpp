@@ -1,5 +1,7 @@
 #include "icd/framebuffer.h"
 
+#include <algorithm>
+
 #include "icd/api.h"
 #include "icd/device.h"
 #include "icd/image_view.h"
@@ -8,11 +10,17 @@ namespace pineda::icd {
 
 Framebuffer::Framebuffer(const Allocator& from_allocator, Device&, const VkFramebufferCreateInfo& info)
     : Object(from_allocator),
-      extent{info.width, info.height},
-      layer_count(info.layers),
+      extent_{info.width, info.height},
+      layer_count_(info.layers),
       views_(HostAllocator<const ImageView*>(&allocator)) {
   views_.reserve(info.attachmentCount);
-  for (uint32_t i = 0; i < info.attachmentCount; ++i) views_.push_back(from(info.pAttachments[i]));
+  for (uint32_t i = 0; i < info.attachmentCount; ++i) {
+    const ImageView& view = *from(info.pAttachments[i]);
+    views_.push_back(&view);
+    extent_.width = std::min(extent_.width, view.extent().width);
+    extent_.height = std::min(extent_.height, view.extent().height);
+    layer_count_ = std::min(layer_count_, view.layer_count());
+  }
 }
 
 VkResult api::CreateFramebuffer(VkDevice device, const VkFramebufferCreateInfo* info, const VkAllocationCallbacks* callbacks,

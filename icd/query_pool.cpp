@@ -29,10 +29,11 @@ QueryPool::QueryPool(const Allocator& from, Device& device, const VkQueryPoolCre
     : Object(from), device_(device), queries_(info.queryCount, HostAllocator<Query>(&allocator)) {}
 
 void QueryPool::reset(uint32_t first, uint32_t count) {
-  for (uint32_t i = first; i < first + count; ++i) queries_[i].available.store(false, std::memory_order_release);
+  for (uint32_t i = first; i < end(first, count); ++i) queries_[i].available.store(false, std::memory_order_release);
 }
 
 void QueryPool::write_timestamp(uint32_t query) {
+  if (query >= queries_.size()) return;
   queries_[query].value_ns.store(monotonic_ns(), std::memory_order_relaxed);
   queries_[query].available.store(true, std::memory_order_release);
   device_.notifier.notify();
@@ -40,7 +41,7 @@ void QueryPool::write_timestamp(uint32_t query) {
 
 VkResult QueryPool::results(const Request& request) const {
   VkResult result = VK_SUCCESS;
-  for (uint32_t i = 0; i < request.count; ++i) {
+  for (uint32_t i = 0; request.first + i < end(request.first, request.count); ++i) {
     const Query& query = queries_[request.first + i];
     const auto is_available = [&] { return query.available.load(std::memory_order_acquire); };
     if (request.flags & VK_QUERY_RESULT_WAIT_BIT) {

@@ -2,6 +2,7 @@
 // connected to them.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 
 #include "icd/object.h"
@@ -30,6 +31,11 @@ class QueryPool : public Object {
     std::atomic<uint64_t> value_ns{0};
     std::atomic<bool> available{false};
   };
+
+  // One past the last query of a range, within the pool.
+  uint32_t end(uint32_t first, uint32_t count) const {
+    return static_cast<uint32_t>(std::min<uint64_t>(uint64_t(first) + count, queries_.size()));
+  }
 
   Device& device_;
   HostVector<Query> queries_;

@@ -160,6 +160,17 @@ TEST(IcdCompute, StorageImages) {
   }
 }
 
+// Invalid, but not a crash: without sets reads give zero and stores do nothing.
+TEST(IcdCompute, UnboundSetsAreHarmless) {
+  ComputeFixture f;
+  const VkPipeline pipeline = f.pipeline(1);
+  f.client.run([&](VkCommandBuffer cb) {
+    VK(f.client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(f.client, CmdDispatch)(cb, 4, 1, 1);
+  });
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(f.out.as<uint32_t>()[i], 0u);
+}
+
 struct Messages {
   std::vector<std::string> texts;
   static VkBool32 receive(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,

@@ -419,6 +419,33 @@ TEST(IcdDraw, FragmentAtomicsCountPixels) {
   EXPECT_EQ(count.as<uint32_t>()[0], 3 * kSize * kSize + 35);
 }
 
+// Invalid, but not a crash: a pipeline whose kernels store texels of another size, an attachment smaller than the framebuffer.
+TEST(IcdDraw, IncompatibleAttachmentsAreHarmless) {
+  DrawFixture f;
+  constexpr VkFormat kWide = VK_FORMAT_R32G32B32A32_SFLOAT;
+  constexpr PipelineClient::Attachment kNarrowClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr PipelineClient::Attachment kWideClear[] = {{kWide, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass narrow = f.client.render_pass(kNarrowClear, kFirst), wide = f.client.render_pass(kWideClear, kFirst);
+  const VkFramebuffer too_large = f.client.framebuffer(narrow, {f.client.view(f.image, kFormat)}, {8 * kSize, 8 * kSize});
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, narrow, too_large, {{-3, 0}, {8 * kSize, 8 * kSize}}, {kClearBlack});
+    VK(f.client, CmdEndRenderPass)(cb);
+    f.download(cb, f.image);
+  });
+  EXPECT_EQ(f.at(kSize - 1, kSize - 1), kBlack);
+  const ColorPipeline p(f, wide);
+  const VkFramebuffer framebuffer = f.client.framebuffer(narrow, {f.client.view(f.image, kFormat)}, {kSize, kSize});
+  const VkCommandBuffer cb = f.client.command_buffer();
+  f.client.begin(cb);
+  f.client.begin_pass(cb, narrow, framebuffer, f.whole, {kClearBlack});
+  f.bind(cb, p.pipeline);
+  VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
+  VK(f.client, CmdEndRenderPass)(cb);
+  EXPECT_EQ(VK(f.client, EndCommandBuffer)(cb), VK_SUCCESS);
+  EXPECT_EQ(f.client.submit(cb), VK_ERROR_DEVICE_LOST);
+}
+
 TEST(IcdDraw, UnsupportedTopologyIsRefused) {
   DrawFixture f;
   constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
