@@ -80,7 +80,7 @@ class LayerScene final : public RenderScene {
 
  private:
   void create_texture_set(VkContext& context) {
-    texture_ = create_texture(context, make_mip_chain(make_pattern()));
+    texture_ = create_texture(context, make_mip_chain(make_pattern()), VK_FORMAT_R8G8B8A8_UNORM);
     sampler_ = create_trilinear_sampler(context);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
     set_layout_ = create_set_layout(context, {&binding, 1});

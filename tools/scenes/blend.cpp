@@ -28,7 +28,7 @@ constexpr std::array<std::array<float, 3>, kQuadCount> kHues{{{0.93f, 0.26f, 0.2
                                                               {0.69f, 0.32f, 0.80f},
                                                               {0.88f, 0.29f, 0.56f}}};
 
-// A wheel of cards: each lies over its neighbours, opaque enough outside and clearer towards the hub.
+// A wheel of cards: each lies over its neighbours, clearer towards the hub.
 std::array<Vertex, 4 * kQuadCount> make_vertices(float aspect) {
   constexpr float kHub = 0.16f, kRim = 0.90f, kHubHalfWidth = 0.12f, kRimHalfWidth = 0.31f;
   constexpr float kCorners[4][2] = {{kHub, -kHubHalfWidth}, {kRim, -kRimHalfWidth}, {kRim, kRimHalfWidth}, {kHub, kHubHalfWidth}};
@@ -37,7 +37,7 @@ std::array<Vertex, 4 * kQuadCount> make_vertices(float aspect) {
   for (int quad = 0; quad < kQuadCount; ++quad) {
     for (int corner = 0; corner < 4; ++corner) {
       const auto [along, across] = kCorners[corner];
-      const float alpha = along == kHub ? 0.30f : 0.62f;
+      const float alpha = along == kHub ? 0.45f : 0.62f;
       vertices[4 * quad + corner] = {{(along * cosine - across * sine) / aspect, along * sine + across * cosine},
                                      {kHues[quad][0], kHues[quad][1], kHues[quad][2], alpha}};
     }

@@ -17,6 +17,8 @@
 namespace pineda::tools {
 namespace {
 
+constexpr VkFormat kTextureFormat = VK_FORMAT_R8G8B8A8_SRGB;  // what base-colour textures hold (glTF 2.0, 3.9.2)
+
 struct View {  // the uniform buffer of model.vert and model.frag
   glm::mat4 view_projection;
   glm::vec4 eye, light_direction;
@@ -104,9 +106,9 @@ class ModelScene final : public RenderScene {
 
   void create_textures(VkContext& context) {
     sampler_ = create_trilinear_sampler(context);
-    for (const Image& texture : model_.textures) textures_.push_back(create_texture(context, make_mip_chain(texture)));
+    for (const Image& texture : model_.textures) textures_.push_back(create_texture(context, make_mip_chain(texture), kTextureFormat));
     const Image white{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}};
-    textures_.push_back(create_texture(context, {&white, 1}));
+    textures_.push_back(create_texture(context, {&white, 1}, kTextureFormat));
   }
 
   void create_descriptors(VkContext& context) {

@@ -89,9 +89,9 @@ void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout fr
   vkCmdPipelineBarrier(commands, source_stage, target_stage, 0, 0, nullptr, 0, nullptr, 1, &barrier);
 }
 
-Image2D create_texture(VkContext& context, std::span<const Image> mip_levels) {
+Image2D create_texture(VkContext& context, std::span<const Image> mip_levels, VkFormat format) {
   const VkExtent2D extent{mip_levels[0].width, mip_levels[0].height};
-  Image2D texture = create_image(context, extent, static_cast<uint32_t>(mip_levels.size()), kColourFormat,
+  Image2D texture = create_image(context, extent, static_cast<uint32_t>(mip_levels.size()), format,
                                  VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
   std::vector<uint8_t> staging_bytes;
   std::vector<VkBufferImageCopy> copies;

@@ -1,4 +1,5 @@
-// Directional light, sky and ground light, a soft highlight. Squaring stands for the sRGB curve (exact on every driver, unlike pow).
+// Directional light, sky and ground light, a soft highlight, in linear light. On the way out a square root stands for the sRGB curve: it
+// is exact on every driver, unlike pow.
 #version 450
 
 layout(constant_id = 0) const bool kTextured = true;
@@ -16,10 +17,7 @@ layout(location = 0) out vec4 result;
 
 void main() {
   vec3 surface = albedo;
-  if (kTextured) {
-    vec3 texel = texture(base_texture, uv).rgb;
-    surface *= texel * texel;
-  }
+  if (kTextured) surface *= texture(base_texture, uv).rgb;
   vec3 n = normalize(gl_FrontFacing ? world_normal : -world_normal);
   vec3 v = normalize(to_eye);
   vec3 l = light_direction.xyz;
