@@ -21,7 +21,8 @@ constexpr int kFailed = 1, kUsageError = 2;
 
 struct Arguments {
   std::vector<std::string> scenes;
-  std::string drivers = "pineda,lavapipe", driver = "pineda", size = "800x600";
+  std::string drivers = "pineda,lavapipe", driver = "pineda";
+  std::string size = "800x600", compare_size = "1600x1200";
   std::string out, json, filter, golden_file;
   uint32_t frames = 30, rounds = 5;
   double threshold_share = 0.999, budget_ms = 200;
@@ -31,7 +32,7 @@ struct Arguments {
 };
 
 int run_compare(const Arguments& arguments) {
-  const Size size = parse_size(arguments.size);
+  const Size size = parse_size(arguments.compare_size);
   CompareOptions options{.scenes = arguments.scenes,
                          .drivers = parse_drivers(arguments.drivers),
                          .width = size.width,
@@ -105,7 +106,7 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
       app.add_subcommand("compare", "draw scenes or model files with several drivers and compare the pictures");
   compare->add_option("scenes", arguments.scenes, "scene names or model files (default: all scenes)");
   add_driver_set(*compare, arguments);
-  compare->add_option("--size", arguments.size, "of the picture")->capture_default_str();
+  compare->add_option("--size", arguments.compare_size, "of the picture")->capture_default_str();
   compare->add_option("--frames", arguments.frames, "to time, for each scene and driver")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));

@@ -106,7 +106,8 @@ class ModelScene final : public RenderScene {
 
   void create_textures(VkContext& context) {
     sampler_ = create_trilinear_sampler(context);
-    for (const Image& texture : model_.textures) textures_.push_back(create_texture(context, make_mip_chain(texture), kTextureFormat));
+    for (const Image& texture : model_.textures)
+      textures_.push_back(create_texture(context, make_mip_chain(texture), kTextureFormat));
     const Image white{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}};
     textures_.push_back(create_texture(context, {&white, 1}, kTextureFormat));
   }

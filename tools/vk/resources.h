@@ -36,7 +36,8 @@ struct Image2D {
 };
 
 Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage);
-// Uploads all levels by one buffer-to-image copy; ready for sampling. The format has the texels of an Image: R8G8B8A8_UNORM or _SRGB.
+// Uploads all levels by one buffer-to-image copy; ready for sampling. The format has the texels of an Image: R8G8B8A8_UNORM or
+// _SRGB.
 Image2D create_texture(VkContext& context, std::span<const Image> mip_levels, VkFormat format);
 SamplerHandle create_trilinear_sampler(VkContext& context);
 
