@@ -336,6 +336,26 @@ store %p, %l, %w
       << out;
 }
 
+TEST(NarrowLoops, OfAConjunctionThatIsFalseNothingIsKnown) {
+  const std::string text = R"(%l = lane i32
+%z = const i32 0
+%u = loop %z {
+  %i = loop_arg i32 0
+  %c = ult b1 %l, %i
+  %d = ieq b1 %i, %l
+  %b = and b1 %c, %d
+  %s = select i32 %c, %i, %l
+  %n = not b1 %b
+  yield %n, %s
+}
+)";
+  const auto narrow = [](ir::Kernel& k) {
+    rates(k);
+    narrow_loops(k);
+  };
+  EXPECT_EQ(run_on_text(text, narrow), run_on_text(text, rates));
+}
+
 // ---- fuse_fma -------------------------------------------------------------------------------------------------------------
 
 TEST(FuseFma, TheLeftProductWins) {
