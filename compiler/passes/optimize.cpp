@@ -76,7 +76,8 @@ void optimize(ir::Kernel& k, Form form) {
   cse(k);
   dce(k);
   hoist(k);
-  cse(k);  // equal values that stood in different regions now meet in draw and prim
+  hoist_loops(k);
+  cse(k);  // equal values that stood in different regions may now meet
   dce(k);
   rates(k);
   compact(k);

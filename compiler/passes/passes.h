@@ -39,6 +39,9 @@ void lower_math(ir::Kernel& k);
 // What depends on the draw or the primitive alone moves to Kernel::draw and Kernel::prim.
 void hoist(ir::Kernel& k);
 
+// What a Loop computes from values of before it moves in front of it.
+void hoist_loops(ir::Kernel& k);
+
 // Sets Inst::rate.
 void rates(ir::Kernel& k);
 

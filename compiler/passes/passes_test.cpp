@@ -285,8 +285,8 @@ TEST(FlattenIfs, ShortPureSidesBecomeSelects) {
 
 // ---- narrow_loops ---------------------------------------------------------------------------------------------------------
 
-// for (i = 0; i < 8; ++i) { if (p[lane] < i) break; a += p[lane]; } with i read afterwards: the body's i is uniform, the other's is
-// not.
+// for (i = 0; i < 8; ++i) { if (p[lane] < i) break; a += p[lane]; } with i read afterwards: the body's i is uniform, the other's
+// is not.
 TEST(NarrowLoops, ACounterIsUniformInSpiteOfABreak) {
   const std::string out = run_on_text(R"(%p = wave_ptr ptr
 %l = lane i32
@@ -536,6 +536,59 @@ wave:
     yield
   } else {
     yield
+  }
+)");
+}
+
+TEST(HoistLoops, MovesToTheOutermostLoopThatAllowsIt) {
+  const std::string out = run_on_text(R"(%p = wave_ptr ptr
+%l = lane i32
+%u = loop %l {
+  %i = loop_arg i32 0
+  %c = ult b1 %i, %l
+  %j = if %c {
+    %a = iadd i32 %l, %l
+    %x = load i32 %p, %a invariant speculate
+    %y = load i32 %p, %a invariant
+    %b = imul i32 %i, %a
+    %v = loop {
+      %d = isub i32 %b, %a
+      %e = xor i32 %d, %x
+      store %p, %e, %y
+      yield %c
+    }
+    yield %a
+  } else {
+    yield %l
+  }
+  %r = result i32 %j, 0
+  yield %c, %r
+}
+)",
+                                      hoist_loops);
+  EXPECT_EQ(out, R"(wave:
+  %1 = wave_ptr ptr
+  %2 = lane i32
+  %3 = iadd i32 %2, %2
+  %4 = load i32 %1, %3 invariant speculate
+  %5 = loop %2 {
+    %6 = loop_arg i32 0
+    %7 = ult b1 %6, %2
+    %8 = if %7 {
+      %9 = load i32 %1, %3 invariant
+      %10 = imul i32 %6, %3
+      %11 = isub i32 %10, %3
+      %12 = xor i32 %11, %4
+      %13 = loop {
+        store %1, %12, %9
+        yield %7
+      }
+      yield %3
+    } else {
+      yield %2
+    }
+    %14 = result i32 %8, 0
+    yield %7, %14
   }
 )");
 }

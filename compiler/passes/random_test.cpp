@@ -24,6 +24,7 @@ const NamedPass kPasses[] = {
     {"fold", [](ir::Kernel& k) { fold(k); }},
     {"cse", cse},
     {"hoist", hoist},
+    {"hoist_loops", hoist_loops},
     {"rates", rates},
     {"flatten_ifs",
      [](ir::Kernel& k) {
@@ -46,7 +47,7 @@ const NamedPass kPasses[] = {
        fold(k);
        for (const auto& pass : {cse, dce, rates, flatten_ifs, narrow_loops}) pass(k);
        fold(k);
-       for (const auto& pass : {cse, dce, hoist, cse, dce, rates}) pass(k);
+       for (const auto& pass : {cse, dce, hoist, hoist_loops, cse, dce, rates}) pass(k);
      }},
 };
 
