@@ -136,6 +136,26 @@ TEST(Pass, HiZRejectsHiddenLayers) {
   }
 }
 
+// Clamping lowers depths that lie behind the viewport's range: Hi-Z must expect that.
+TEST(Pass, HiZKnowsDepthClamp) {
+  Target target(64, 64);
+  std::fill(target.depth.begin(), target.depth.end(), 0.5f);
+  TestDraw draw(4, mix_kernel);
+  draw.constants.depth_test = draw.constants.depth_write = 1;
+  draw.constants.compare = VK_COMPARE_OP_LESS_OR_EQUAL;
+  draw.constants.depth_max = 0.5f;
+  draw.add({-1, -1, 4, 1});
+  draw.add({3, -1, 4, 1});
+  draw.add({-1, 3, 4, 1});
+  draw.packet_base.depth_clamp = true;
+  draw.packet_base.viewport = {0, 0, 64, 64, 0, 0.5f};
+  ThreadPool pool(1);
+  Pass pass(pool, target.desc(true), test_options());
+  pass.draw(draw.packet(64, 64));
+  pass.end();
+  for (const uint32_t v : target.color) ASSERT_NE(v, 0u);
+}
+
 TEST(Pass, DrawsComeInApiOrder) {
   // Every draw overwrites the target where it covers it: the last one wins.
   constexpr uint32_t kSize = 100;

@@ -1,6 +1,7 @@
 // For the rasterizer's tests: hand-written kernels with the signature of compiled ones, and a small target to draw to.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -20,6 +21,7 @@ struct Constants {
   uint32_t slots = 4;  // per vertex
   uint32_t color = 0;
   uint32_t depth_test = 0, depth_write = 0;
+  float depth_max = 1e30f;  // depths are clamped to it
   VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
 };
 inline Constants constants(const void* draw) {
@@ -127,8 +129,9 @@ inline void mix_kernel(const KernelHandle*, const void* draw, void* thread, cons
   for_fragments(thread, prims, count, waves, [&](const FragmentPrim& p, uint32_t* color, float* depth, uint32_t x, uint32_t y) {
     const Barycentrics b = barycentrics(p, x, y);
     if (c.depth_test && depth) {
-      if (!passes(c.compare, b.z, *depth)) return;
-      if (c.depth_write) *depth = b.z;
+      const float z = std::min(b.z, c.depth_max);
+      if (!passes(c.compare, z, *depth)) return;
+      if (c.depth_write) *depth = z;
     }
     const auto bits = [](float f) {
       uint32_t u;
