@@ -1,5 +1,8 @@
 #include "icd/queue.h"
 
+#include <pthread.h>
+#include <signal.h>
+
 #include <system_error>
 
 #include "base/float_environment.h"
@@ -29,6 +32,22 @@ bool worth_a_thread(std::span<const VkSubmitInfo> batches) {
   }
   return cost_ns > kInlineCost_ns;
 }
+
+// A thread of the driver must not receive the application's signals: it is born with all of them blocked.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &saved_);
+  }
+  ~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &saved_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t saved_;
+};
 
 }  // namespace
 
@@ -68,6 +87,7 @@ VkResult Queue::submit(std::span<const VkSubmitInfo> batches, Fence* fence) {
 void Queue::push_locked(std::span<const VkSubmitInfo> batches, Fence* fence) {
   if (!worker_.joinable()) {
     try {
+      const BlockedSignals blocked;
       worker_ = std::thread([this] { worker_main(); });
     } catch (const std::system_error&) {
       throw std::bad_alloc();  // no thread to be had: VK_ERROR_OUT_OF_HOST_MEMORY
@@ -135,6 +155,7 @@ VkResult Queue::wait_idle() {
 }
 
 void Queue::worker_main() {
+  pthread_setname_np(pthread_self(), "pineda-queue");
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return (!running_ && !pending_.empty()) || (stopping_ && pending_.empty()); });

@@ -419,6 +419,43 @@ TEST(IcdDraw, FragmentAtomicsCountPixels) {
   EXPECT_EQ(count.as<uint32_t>()[0], 3 * kSize * kSize + 35);
 }
 
+// maxFramebufferWidth and -Height are promises about the rasterizer's arithmetic, too: the seam between the quads is exact at
+// 16384.
+TEST(IcdDraw, LargestFramebuffer) {
+  constexpr uint32_t kLong = 16384, kShort = 3;
+  DrawFixture f;
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kClear, kFirst);
+  const ColorPipeline p(f, pass);
+  const auto out = f.client.buffer(kLong * kShort * 4);
+  for (const VkExtent3D extent : {VkExtent3D{kLong, kShort, 1}, VkExtent3D{kShort, kLong, 1}}) {
+    const VkImage image = f.client.image(kFormat, extent, 1, 1, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.client.view(image, kFormat)}, {extent.width, extent.height});
+    f.client.run([&](VkCommandBuffer cb) {
+      const VkRect2D all{{0, 0}, {extent.width, extent.height}};
+      f.client.begin_pass(cb, pass, framebuffer, all, {kClearBlack});
+      f.bind(cb, p.pipeline);
+      const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
+      VK(f.client, CmdSetViewport)(cb, 0, 1, &viewport);
+      VK(f.client, CmdSetScissor)(cb, 0, 1, &all);
+      f.color(cb, p.layout, {1, 0, 0, 1});
+      VK(f.client, CmdDraw)(cb, 6, 1, 0, 0);
+      f.color(cb, p.layout, {0, 0, 1, 1});
+      VK(f.client, CmdDraw)(cb, 6, 1, 6, 0);
+      VK(f.client, CmdEndRenderPass)(cb);
+      const VkBufferImageCopy region{0, 0, 0, color_layers(), {}, extent};
+      VK(f.client, CmdCopyImageToBuffer)(cb, image, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &region);
+    });
+    for (uint32_t i = 0; i < kLong * kShort; ++i) {
+      // A column whose centre is on the seam (odd widths) belongs to the right quad: its left edge is the covering one.
+      const bool left = 2 * (i % extent.width) + 1 < extent.width;
+      ASSERT_EQ(out.as<uint32_t>()[i], left ? kRed : kBlue)
+          << extent.width << ": " << i % extent.width << ' ' << i / extent.width;
+    }
+  }
+}
+
 // Invalid, but not a crash: a pipeline whose kernels store texels of another size, an attachment smaller than the framebuffer.
 TEST(IcdDraw, IncompatibleAttachmentsAreHarmless) {
   DrawFixture f;

@@ -151,7 +151,7 @@ TEST(IcdQuery, TimestampsGrow) {
   info.queryCount = 3;
   VkQueryPool pool;
   ASSERT_EQ(VK(client, CreateQueryPool)(client.device, &info, nullptr, &pool), VK_SUCCESS);
-  client.defer([&] { VK(client, DestroyQueryPool)(client.device, pool, nullptr); });
+  client.defer([&client, pool] { VK(client, DestroyQueryPool)(client.device, pool, nullptr); });
   const auto buffer = client.buffer(64);
   client.run([&](VkCommandBuffer cb) {
     VK(client, CmdResetQueryPool)(cb, pool, 0, 3);
@@ -168,7 +168,8 @@ TEST(IcdQuery, TimestampsGrow) {
   EXPECT_EQ(buffer.as<uint64_t>()[0], values[0]);
   EXPECT_EQ(buffer.as<uint64_t>()[1], values[2]);
   info.queryType = VK_QUERY_TYPE_OCCLUSION;
-  EXPECT_EQ(VK(client, CreateQueryPool)(client.device, &info, nullptr, &pool), VK_ERROR_FEATURE_NOT_PRESENT);
+  VkQueryPool occlusion;
+  EXPECT_EQ(VK(client, CreateQueryPool)(client.device, &info, nullptr, &occlusion), VK_ERROR_FEATURE_NOT_PRESENT);
 }
 
 }  // namespace

@@ -278,7 +278,7 @@ TEST(IcdImage, SubresourceLayoutDoesNotOverlap) {
   info.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
   VkImage image;
   ASSERT_EQ(VK(client, CreateImage)(client.device, &info, nullptr, &image), VK_SUCCESS);
-  client.defer([&] { VK(client, DestroyImage)(client.device, image, nullptr); });
+  client.defer([&client, image] { VK(client, DestroyImage)(client.device, image, nullptr); });
   VkMemoryRequirements requirements;
   VK(client, GetImageMemoryRequirements)(client.device, image, &requirements);
   VkDeviceSize end = 0;
