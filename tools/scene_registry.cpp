@@ -1,7 +1,9 @@
 #include "tools/scene_registry.h"
 
 #include <filesystem>
+#include <string_view>
 
+#include "tools/bench/bench_scenes.h"
 #include "tools/error.h"
 #include "tools/scenes/scenes.h"
 
@@ -25,6 +27,15 @@ constexpr SceneInfo kScenes[] = {
 
 #undef PINEDA_ASSIMP_MODELS
 
+constexpr std::string_view kBenchPrefix = "bench:";
+
+const BenchScene* find_bench_scene(const std::string& name) {
+  for (const BenchScene& scene : bench_scenes()) {
+    if (name == std::string(kBenchPrefix) + scene.name) return &scene;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 std::span<const SceneInfo> known_scenes() { return kScenes; }
@@ -38,7 +49,7 @@ const SceneInfo* find_scene(const std::string& name) {
 
 void require_scene(const std::string& name_or_path) {
   const SceneInfo* scene = find_scene(name_or_path);
-  if (scene && !scene->model_path) return;
+  if ((scene && !scene->model_path) || find_bench_scene(name_or_path)) return;
   const std::string path = scene ? scene->model_path : name_or_path;
   std::error_code error;
   if (std::filesystem::is_regular_file(path, error)) return;
@@ -51,6 +62,7 @@ void require_scene(const std::string& name_or_path) {
 
 std::unique_ptr<Scene> create_scene(const std::string& name_or_path) {
   require_scene(name_or_path);
+  if (const BenchScene* scene = find_bench_scene(name_or_path)) return scene->create();
   const SceneInfo* scene = find_scene(name_or_path);
   if (!scene) return make_model_scene(name_or_path);
   return scene->model_path ? make_model_scene(scene->model_path) : scene->create();

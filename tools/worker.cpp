@@ -88,6 +88,7 @@ class Worker {
       if (frames_ms.size() % 8 == 0) progress(fmt::format("frame {} of {}", frames_ms.size(), frame_count));
     } while (frames_ms.size() < frame_count && total.elapsed_ms() < budget_ms);
 
+    if (!scene->picture().handle) fail("this scene draws no colours, only depth");
     const Image picture = read_back(*context_, scene->picture());
     context_->release(commands);
     if (command.contains("png")) save_png(command["png"], picture);
@@ -102,7 +103,8 @@ class Worker {
     row_.reset();
     row_ = create_bench_row(command.at("row"), *context_, {command.at("width"), command.at("height")});
     row_->run_sample();
-    return json::object();
+    const std::optional<MeanColour> mean_colour = row_->mean_colour();
+    return {{"mean_colour", mean_colour ? json(*mean_colour) : json()}};
   }
 
   json run_row(const json& command) {

@@ -29,7 +29,8 @@ constexpr int kStartupsPerRound = 4;
 struct Samples {
   std::vector<double> all_ms;
   std::vector<double> round_medians_ms;
-  std::string error;  // why the driver did not finish the row
+  std::optional<MeanColour> mean_colour;  // of what the driver drew
+  std::string error;                      // why the driver did not finish the row
 
   void add_round(const std::vector<double>& samples_ms) {
     all_ms.insert(all_ms.end(), samples_ms.begin(), samples_ms.end());
@@ -55,11 +56,13 @@ class BenchDriver {
     DriverProcess fresh(spec_);
     return fresh.request({{"command", "open"}}, kTimeout).at("startup_ms");
   }
-  void begin(const BenchRowInfo& row) {
+  std::optional<MeanColour> begin(const BenchRowInfo& row) {
     if (!process_) start();
-    process_->request({{"command", "row_begin"}, {"row", row.name}, {"width", row.extent.width}, {"height", row.extent.height}},
-                      kTimeout);
+    const json begun = process_->request(
+        {{"command", "row_begin"}, {"row", row.name}, {"width", row.extent.width}, {"height", row.extent.height}}, kTimeout);
     run(kWarmUpMs);
+    const json& mean_colour = begun.at("mean_colour");
+    return mean_colour.is_null() ? std::nullopt : std::optional(mean_colour.get<MeanColour>());
   }
   std::vector<double> run(double budget_ms) {
     return process_->request({{"command", "row_run"}, {"budget_ms", budget_ms}, {"max_samples", kMaxSamplesPerRound}}, kTimeout)
@@ -89,6 +92,12 @@ bool is_selected(const BenchRowInfo& row, const std::string& filter) {
     begin = end + 1;
   }
   return false;
+}
+
+std::string time_text(double ms) {  // four digits, in a unit that suits
+  if (ms < 1e-3) return fmt::format("{:.4g} ns", ms * 1e6);
+  if (ms < 1) return fmt::format("{:.4g} us", ms * 1e3);
+  return fmt::format("{:.4g} ms", ms);
 }
 
 class Bench {
@@ -135,12 +144,30 @@ class Bench {
       for (uint32_t round = 0; round < options_.rounds; ++round) each("starting", add_startups);
       return samples;
     }
-    each("preparing", [&](BenchDriver& driver, Samples&) { driver.begin(row); });
+    each("preparing", [&](BenchDriver& driver, Samples& own) { own.mean_colour = driver.begin(row); });
+    require_equal_pictures(samples);
     for (uint32_t round = 0; round < options_.rounds; ++round) {
       each("running", [&](BenchDriver& driver, Samples& own) { own.add_round(driver.run(options_.budget_ms)); });
     }
     each("ending", [](BenchDriver& driver, Samples&) { driver.end(); });
     return samples;
+  }
+
+  // A driver that drew something else has not done the row's work. (How close pictures are is the business of `compare`.)
+  void require_equal_pictures(std::vector<Samples>& samples) const {
+    constexpr double kTolerance = 1;  // of the mean, in units of 1/255: rounding cannot move it further
+    const Samples& reference = samples.back();
+    for (size_t i = 0; i + 1 < samples.size(); ++i) {
+      if (!samples[i].mean_colour || !reference.mean_colour) continue;
+      for (size_t channel = 0; channel < 4; ++channel) {
+        const double own = (*samples[i].mean_colour)[channel], wanted = (*reference.mean_colour)[channel];
+        if (std::abs(own - wanted) <= kTolerance) continue;
+        samples[i].error = fmt::format("{}: drew another picture than {} (channel {}: mean {:.2f} instead of {:.2f})",
+                                       drivers_[i]->label(), drivers_.back()->label(), channel, own, wanted);
+        drivers_[i]->abandon();
+        break;
+      }
+    }
   }
 
   static void add_startups(const BenchDriver& driver, Samples& samples) {
@@ -166,7 +193,7 @@ class Bench {
 
   void print_heading() const {
     std::string line = fmt::format("{:<18}", "row");
-    for (const auto& driver : drivers_) line += fmt::format("{:>34}", driver->label() + " ms (quartiles)");
+    for (const auto& driver : drivers_) line += fmt::format("{:>38}", driver->label() + " (quartiles)");
     for (size_t i = 0; i + 1 < drivers_.size(); ++i) line += fmt::format("{:>30}", drivers_[i]->label() + " x faster (rounds)");
     fmt::print("{}\n", line);
     std::fflush(stdout);
@@ -176,10 +203,11 @@ class Bench {
     terminal_.status("");
     std::string line = fmt::format("{:<18}", row.name);
     for (const Samples& own : samples) {
-      const std::string text = own.valid() ? fmt::format("{:.4f} ({:.4f}-{:.4f})", median(own.all_ms), quantile(own.all_ms, 0.25),
-                                                         quantile(own.all_ms, 0.75))
-                                           : std::string("failed");
-      line += fmt::format("{:>34}", text);
+      const std::string text = own.valid()
+                                   ? fmt::format("{} ({} - {})", time_text(median(own.all_ms)),
+                                                 time_text(quantile(own.all_ms, 0.25)), time_text(quantile(own.all_ms, 0.75)))
+                                   : std::string("failed");
+      line += fmt::format("{:>38}", text);
     }
     for (size_t i = 0; i + 1 < samples.size(); ++i) {
       const Ratio ratio = ratio_of(samples[i], samples.back());

@@ -1,8 +1,10 @@
 // The work that `pineda bench` times. A row is prepared once in each driver's process and then sampled again and again.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -10,9 +12,13 @@
 
 namespace pineda::tools {
 
+using MeanColour = std::array<double, 4>;  // of a picture, in units of 1/255
+
 class BenchRow {
  public:
   virtual ~BenchRow() = default;
+  // Of what the last sample drew, if it drew: no driver shall win a row by drawing something else.
+  virtual std::optional<MeanColour> mean_colour() { return std::nullopt; }
   virtual double run_sample() = 0;  // milliseconds of one piece of work, submit and wait included
 };
 

@@ -183,9 +183,7 @@ VkCommandBuffer VkContext::record(const std::function<void(VkCommandBuffer)>& co
 void VkContext::release(VkCommandBuffer commands) { vkFreeCommandBuffers(device_, command_pool_, 1, &commands); }
 
 void VkContext::submit_and_wait(VkCommandBuffer commands) {
-  const VkSubmitInfo submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                            .commandBufferCount = commands == VK_NULL_HANDLE ? 0u : 1u,
-                            .pCommandBuffers = &commands};
+  const VkSubmitInfo submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
   const VkFence fence = fence_;
   check(vkQueueSubmit(queue_, 1, &submit, fence), "vkQueueSubmit");
   check(vkWaitForFences(device_, 1, &fence, VK_TRUE, kFenceTimeoutNs), "vkWaitForFences");

@@ -33,7 +33,7 @@ class VkContext {
   uint32_t memory_type(uint32_t allowed_types, VkMemoryPropertyFlags wanted) const;
   VkCommandBuffer record(const std::function<void(VkCommandBuffer)>& commands);  // freed with the context, or by release()
   void release(VkCommandBuffer commands);
-  void submit_and_wait(VkCommandBuffer commands);  // VK_NULL_HANDLE submits nothing and waits for the fence all the same
+  void submit_and_wait(VkCommandBuffer commands);
   void run_once(const std::function<void(VkCommandBuffer)>& commands);
 
  private:

@@ -1,0 +1,29 @@
+#include "tools/bench/bench_scenes.h"
+
+#include <vector>
+
+#include "tools/bench/grid_scenes.h"
+#include "tools/bench/layer_scenes.h"
+
+namespace pineda::tools {
+
+// A new row is one line here.
+std::span<const BenchScene> bench_scenes() {
+  constexpr VkExtent2D kFullHd{1920, 1080}, kHd{1280, 720};
+  const auto layers = [](LayerKind kind, uint32_t count) { return [=] { return make_layer_scene(kind, count); }; };
+  const auto mesh = [](const LitMeshOptions& options) { return [=] { return make_lit_mesh_scene(options); }; };
+  static const std::vector<BenchScene> scenes{
+      {"tiny-draw", "lit mesh of 1,024 triangles, 128x128", {128, 128}, mesh({.columns = 32, .rows = 16})},
+      {"opaque-layers", "8 opaque colour layers", kFullHd, layers(LayerKind::kOpaque, 8)},
+      {"blended-layers", "8 blended layers", kFullHd, layers(LayerKind::kBlended, 8)},
+      {"trilinear-layers", "4 trilinear layers", kFullHd, layers(LayerKind::kTrilinear, 4)},
+      {"lit-layers", "16 lit layers front to back", kHd, layers(LayerKind::kLitFrontToBack, 16)},
+      {"tiny-triangles", "1 M tiny triangles with depth", kFullHd, mesh({.columns = 1000, .rows = 500})},
+      {"lit-mesh", "262 k triangle lit mesh", kHd, mesh({.columns = 512, .rows = 256})},
+      {"depth-only", "depth of 1 M triangles", {2048, 2048}, mesh({.columns = 1000, .rows = 500, .depth_only = true})},
+      {"many-draws", "10,000 draws of 16 triangles", kHd, mesh({.columns = 400, .rows = 200, .draw_count = 10'000})},
+  };
+  return scenes;
+}
+
+}  // namespace pineda::tools
