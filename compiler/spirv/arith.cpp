@@ -93,20 +93,24 @@ void pair_of_results(Translator& t, const Instruction& inst, Low low, High high)
 }
 
 void add_carry(Translator& t, const Instruction& inst) {
-  pair_of_results(t, inst, [&](ir::Value a, ir::Value c) { return t.b.iadd(a, c); },
-                  [&](ir::Value a, ir::Value, ir::Value sum) { return t.b.convert(Op::kZExt, Type::kI32, t.b.ult(sum, a)); });
+  pair_of_results(
+      t, inst, [&](ir::Value a, ir::Value c) { return t.b.iadd(a, c); },
+      [&](ir::Value a, ir::Value, ir::Value sum) { return t.b.convert(Op::kZExt, Type::kI32, t.b.ult(sum, a)); });
 }
 void sub_borrow(Translator& t, const Instruction& inst) {
-  pair_of_results(t, inst, [&](ir::Value a, ir::Value c) { return t.b.isub(a, c); },
-                  [&](ir::Value a, ir::Value c, ir::Value) { return t.b.convert(Op::kZExt, Type::kI32, t.b.ult(a, c)); });
+  pair_of_results(
+      t, inst, [&](ir::Value a, ir::Value c) { return t.b.isub(a, c); },
+      [&](ir::Value a, ir::Value c, ir::Value) { return t.b.convert(Op::kZExt, Type::kI32, t.b.ult(a, c)); });
 }
 void mul_extended_u(Translator& t, const Instruction& inst) {
-  pair_of_results(t, inst, [&](ir::Value a, ir::Value c) { return t.b.imul(a, c); },
-                  [&](ir::Value a, ir::Value c, ir::Value) { return t.b.umul_hi(a, c); });
+  pair_of_results(
+      t, inst, [&](ir::Value a, ir::Value c) { return t.b.imul(a, c); },
+      [&](ir::Value a, ir::Value c, ir::Value) { return t.b.umul_hi(a, c); });
 }
 void mul_extended_s(Translator& t, const Instruction& inst) {
-  pair_of_results(t, inst, [&](ir::Value a, ir::Value c) { return t.b.imul(a, c); },
-                  [&](ir::Value a, ir::Value c, ir::Value) { return t.b.smul_hi(a, c); });
+  pair_of_results(
+      t, inst, [&](ir::Value a, ir::Value c) { return t.b.imul(a, c); },
+      [&](ir::Value a, ir::Value c, ir::Value) { return t.b.smul_hi(a, c); });
 }
 
 // ---- bit fields: offset and count are scalars, count may be 0 or 32 ----
@@ -179,24 +183,46 @@ void quantize_to_f16(Translator& t, const Instruction& inst) {
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(FNegate, 4, f_negate), PINEDA_SPIRV_ROW(FAdd, 5, f_add), PINEDA_SPIRV_ROW(FSub, 5, f_sub),
-    PINEDA_SPIRV_ROW(FMul, 5, f_mul), PINEDA_SPIRV_ROW(FDiv, 5, f_div), PINEDA_SPIRV_ROW(FRem, 5, f_rem),
-    PINEDA_SPIRV_ROW(FMod, 5, f_mod), PINEDA_SPIRV_ROW(SNegate, 4, s_negate), PINEDA_SPIRV_ROW(IAdd, 5, binary_int<Op::kIAdd>),
-    PINEDA_SPIRV_ROW(ISub, 5, binary_int<Op::kISub>), PINEDA_SPIRV_ROW(IMul, 5, binary_int<Op::kIMul>),
-    PINEDA_SPIRV_ROW(UDiv, 5, binary_int<Op::kUDiv>), PINEDA_SPIRV_ROW(SDiv, 5, binary_int<Op::kSDiv>),
-    PINEDA_SPIRV_ROW(UMod, 5, binary_int<Op::kURem>), PINEDA_SPIRV_ROW(SRem, 5, binary_int<Op::kSRem>),
-    PINEDA_SPIRV_ROW(SMod, 5, s_mod), PINEDA_SPIRV_ROW(IAddCarry, 5, add_carry), PINEDA_SPIRV_ROW(ISubBorrow, 5, sub_borrow),
-    PINEDA_SPIRV_ROW(UMulExtended, 5, mul_extended_u), PINEDA_SPIRV_ROW(SMulExtended, 5, mul_extended_s),
-    PINEDA_SPIRV_ROW(ShiftLeftLogical, 5, binary_int<Op::kShl>), PINEDA_SPIRV_ROW(ShiftRightLogical, 5, binary_int<Op::kLShr>),
-    PINEDA_SPIRV_ROW(ShiftRightArithmetic, 5, binary_int<Op::kAShr>), PINEDA_SPIRV_ROW(BitwiseOr, 5, binary_int<Op::kOr>),
-    PINEDA_SPIRV_ROW(BitwiseXor, 5, binary_int<Op::kXor>), PINEDA_SPIRV_ROW(BitwiseAnd, 5, binary_int<Op::kAnd>),
-    PINEDA_SPIRV_ROW(Not, 4, unary_int<Op::kNot>), PINEDA_SPIRV_ROW(BitReverse, 4, unary_int<Op::kBitReverse>),
-    PINEDA_SPIRV_ROW(BitCount, 4, unary_int<Op::kPopCount>), PINEDA_SPIRV_ROW(BitFieldInsert, 7, bit_field_insert),
-    PINEDA_SPIRV_ROW(BitFieldUExtract, 6, bit_field_u_extract), PINEDA_SPIRV_ROW(BitFieldSExtract, 6, bit_field_s_extract),
-    PINEDA_SPIRV_ROW(ConvertFToS, 4, convert<Op::kFToS, true>), PINEDA_SPIRV_ROW(ConvertFToU, 4, convert<Op::kFToU, true>),
-    PINEDA_SPIRV_ROW(ConvertSToF, 4, convert<Op::kSToF, false>), PINEDA_SPIRV_ROW(ConvertUToF, 4, convert<Op::kUToF, false>),
-    PINEDA_SPIRV_ROW(UConvert, 4, convert_same_width), PINEDA_SPIRV_ROW(SConvert, 4, convert_same_width),
-    PINEDA_SPIRV_ROW(Bitcast, 4, bitcast), PINEDA_SPIRV_ROW(QuantizeToF16, 4, quantize_to_f16),
+    PINEDA_SPIRV_ROW(FNegate, 4, f_negate),
+    PINEDA_SPIRV_ROW(FAdd, 5, f_add),
+    PINEDA_SPIRV_ROW(FSub, 5, f_sub),
+    PINEDA_SPIRV_ROW(FMul, 5, f_mul),
+    PINEDA_SPIRV_ROW(FDiv, 5, f_div),
+    PINEDA_SPIRV_ROW(FRem, 5, f_rem),
+    PINEDA_SPIRV_ROW(FMod, 5, f_mod),
+    PINEDA_SPIRV_ROW(SNegate, 4, s_negate),
+    PINEDA_SPIRV_ROW(IAdd, 5, binary_int<Op::kIAdd>),
+    PINEDA_SPIRV_ROW(ISub, 5, binary_int<Op::kISub>),
+    PINEDA_SPIRV_ROW(IMul, 5, binary_int<Op::kIMul>),
+    PINEDA_SPIRV_ROW(UDiv, 5, binary_int<Op::kUDiv>),
+    PINEDA_SPIRV_ROW(SDiv, 5, binary_int<Op::kSDiv>),
+    PINEDA_SPIRV_ROW(UMod, 5, binary_int<Op::kURem>),
+    PINEDA_SPIRV_ROW(SRem, 5, binary_int<Op::kSRem>),
+    PINEDA_SPIRV_ROW(SMod, 5, s_mod),
+    PINEDA_SPIRV_ROW(IAddCarry, 5, add_carry),
+    PINEDA_SPIRV_ROW(ISubBorrow, 5, sub_borrow),
+    PINEDA_SPIRV_ROW(UMulExtended, 5, mul_extended_u),
+    PINEDA_SPIRV_ROW(SMulExtended, 5, mul_extended_s),
+    PINEDA_SPIRV_ROW(ShiftLeftLogical, 5, binary_int<Op::kShl>),
+    PINEDA_SPIRV_ROW(ShiftRightLogical, 5, binary_int<Op::kLShr>),
+    PINEDA_SPIRV_ROW(ShiftRightArithmetic, 5, binary_int<Op::kAShr>),
+    PINEDA_SPIRV_ROW(BitwiseOr, 5, binary_int<Op::kOr>),
+    PINEDA_SPIRV_ROW(BitwiseXor, 5, binary_int<Op::kXor>),
+    PINEDA_SPIRV_ROW(BitwiseAnd, 5, binary_int<Op::kAnd>),
+    PINEDA_SPIRV_ROW(Not, 4, unary_int<Op::kNot>),
+    PINEDA_SPIRV_ROW(BitReverse, 4, unary_int<Op::kBitReverse>),
+    PINEDA_SPIRV_ROW(BitCount, 4, unary_int<Op::kPopCount>),
+    PINEDA_SPIRV_ROW(BitFieldInsert, 7, bit_field_insert),
+    PINEDA_SPIRV_ROW(BitFieldUExtract, 6, bit_field_u_extract),
+    PINEDA_SPIRV_ROW(BitFieldSExtract, 6, bit_field_s_extract),
+    PINEDA_SPIRV_ROW(ConvertFToS, 4, convert<Op::kFToS, true>),
+    PINEDA_SPIRV_ROW(ConvertFToU, 4, convert<Op::kFToU, true>),
+    PINEDA_SPIRV_ROW(ConvertSToF, 4, convert<Op::kSToF, false>),
+    PINEDA_SPIRV_ROW(ConvertUToF, 4, convert<Op::kUToF, false>),
+    PINEDA_SPIRV_ROW(UConvert, 4, convert_same_width),
+    PINEDA_SPIRV_ROW(SConvert, 4, convert_same_width),
+    PINEDA_SPIRV_ROW(Bitcast, 4, bitcast),
+    PINEDA_SPIRV_ROW(QuantizeToF16, 4, quantize_to_f16),
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Scalar operations of SPIR-V and GLSL.std.450, table against oracle: each row is a GLSL expression over a, b, c and the same in double (or
-// 32-bit integers). + - * / sqrt of floats, computed in double and rounded to float, are what binary32 gives directly (double has more
-// than twice the bits plus two), so rows made of one operation must agree exactly.
+// Scalar operations of SPIR-V and GLSL.std.450, table against oracle: each row is a GLSL expression over a, b, c and the same in
+// double (or 32-bit integers). + - * / sqrt of floats, computed in double and rounded to float, are what binary32 gives directly
+// (double has more than twice the bits plus two), so rows made of one operation must agree exactly.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -46,7 +46,8 @@ const FloatRow kExact[] = {
     {"a >= b ? 1.0 : 0.0", [](double a, double b, double) { return a >= b ? 1.0 : 0.0; }},
     {"a == b ? 1.0 : 0.0", [](double a, double b, double) { return a == b ? 1.0 : 0.0; }},
     {"a != b ? 1.0 : 0.0", [](double a, double b, double) { return a != b ? 1.0 : 0.0; }},
-    {"fma(a, b, c)", [](double a, double b, double c) { return static_cast<double>(std::fma(float(a), float(b), float(c))); }, 0.5},
+    {"fma(a, b, c)", [](double a, double b, double c) { return static_cast<double>(std::fma(float(a), float(b), float(c))); },
+     0.5},
 };
 
 // Several operations: in f32 each rounds once, so the bound is about the number of operations.
@@ -57,19 +58,30 @@ const FloatRow kRounded[] = {
     {"max(a, b)", [](double a, double b, double) { return a < b ? b : a; }},
     {"clamp(a, -b, b)", [](double a, double b, double) { return clamp(a, -b, b); }},
     {"mix(a, b, c)", [](double a, double b, double c) { return a * (1 - c) + b * c; }, 4},
-    {"smoothstep(0.0, b, a)", [](double a, double b, double) { const double t = clamp(a / b, 0, 1); return t * t * (3 - 2 * t); }, 8},
+    {"smoothstep(0.0, b, a)",
+     [](double a, double b, double) {
+       const double t = clamp(a / b, 0, 1);
+       return t * t * (3 - 2 * t);
+     },
+     8},
     {"inversesqrt(b)", [](double, double b, double) { return 1 / std::sqrt(b); }, 2},
     {"radians(a)", [](double a, double, double) { return a * M_PI / 180; }, 2},
     {"degrees(c)", [](double, double, double c) { return c * 180 / M_PI; }, 100},
     {"ldexp(a, int(b))", [](double a, double b, double) { return std::ldexp(a, int(b)); }},
     {"modf(a, temp) + temp * 64.0", [](double a, double, double) { return a - std::trunc(a) + std::trunc(a) * 64; }, 600},
-    {"frexp(a, n) + float(n)", [](double a, double, double) { int n; const double m = std::frexp(a, &n); return m + n; }, 4},
+    {"frexp(a, n) + float(n)",
+     [](double a, double, double) {
+       int n;
+       const double m = std::frexp(a, &n);
+       return m + n;
+     },
+     4},
     {"length(a)", [](double a, double, double) { return std::fabs(a); }},
     {"distance(a, b)", [](double a, double b, double) { return std::fabs(a - b); }, 10},
 };
 
-// Compared in f64 only; how close the f32 polynomials come is tested where they are (passes/lower_math). Domains suit a in (-9, 9), b in (0, 9),
-// c in (-1, 1).
+// Compared in f64 only; how close the f32 polynomials come is tested where they are (passes/lower_math). Domains suit a in (-9,
+// 9), b in (0, 9), c in (-1, 1).
 const FloatRow kTranscendental[] = {
     {"sin(a)", [](double a, double, double) { return std::sin(a); }, 1},
     {"cos(a)", [](double a, double, double) { return std::cos(a); }, 1},
@@ -121,8 +133,10 @@ void check_floats(std::span<const FloatRow> rows, const std::vector<Triple>& inp
                                     << (mode == eval::Mode::kF64 ? 64 : 32);
         };
         if (std::isnan(want) || std::isinf(want) || rows[i].ulps == 0) {
-          if (std::isnan(want)) EXPECT_TRUE(std::isnan(got)) << where();
-          else EXPECT_EQ(got, want) << where();
+          if (std::isnan(want))
+            EXPECT_TRUE(std::isnan(got)) << where();
+          else
+            EXPECT_EQ(got, want) << where();
         } else {
           EXPECT_NEAR(got, want, rows[i].ulps * 0x1p-23 * std::max(1.0f, std::fabs(want))) << where();
         }
@@ -140,7 +154,8 @@ std::vector<Triple> ordinary_inputs(uint32_t count) {
 }
 
 std::vector<Triple> special_inputs() {
-  const float values[] = {0.0f, -0.0f, 1.0f, -1.5f, 2.5f, 0x1p-149f, -0x1p-127f, 3.4e38f, -3.4e38f, float(kInf), -float(kInf), kNan};
+  const float values[] = {0.0f,       -0.0f,   1.0f,     -1.5f,       2.5f,         0x1p-149f,
+                          -0x1p-127f, 3.4e38f, -3.4e38f, float(kInf), -float(kInf), kNan};
   std::vector<Triple> out;
   for (float a : values) {
     for (float b : values) out.push_back({a, b, 1.25f});
@@ -165,8 +180,17 @@ TEST(SpirvArith, Transcendentals) { check_floats(kTranscendental, ordinary_input
 TEST(SpirvArith, LdexpAndFrexpOfExtremes) {
   const FloatRow rows[] = {
       {"ldexp(a, int(b))", [](double a, double b, double) { return std::ldexp(a, int(b)); }},
-      {"frexp(a, n)", [](double a, double, double) { int n; return std::frexp(a, &n); }},
-      {"float((temp = frexp(a, n)) * 0.0) + float(n)", [](double a, double, double) { int n; std::frexp(a, &n); return double(n); }},
+      {"frexp(a, n)",
+       [](double a, double, double) {
+         int n;
+         return std::frexp(a, &n);
+       }},
+      {"float((temp = frexp(a, n)) * 0.0) + float(n)",
+       [](double a, double, double) {
+         int n;
+         std::frexp(a, &n);
+         return double(n);
+       }},
   };
   std::vector<Triple> in;
   for (float a : {1.0f, 0x1.8p-149f, 0x1.fffffep127f, -0x1.23456p-130f}) {
@@ -188,7 +212,7 @@ const IntRow kInts[] = {
     {"a + b", [](uint32_t a, uint32_t b) { return a + b; }},
     {"a - b", [](uint32_t a, uint32_t b) { return a - b; }},
     {"a * b", [](uint32_t a, uint32_t b) { return a * b; }},
-    {"a / b", [](uint32_t a, uint32_t b) { return b ? a / b : ~0u; }},   // division by zero: compiler/ir/ops.inc
+    {"a / b", [](uint32_t a, uint32_t b) { return b ? a / b : ~0u; }},  // division by zero: compiler/ir/ops.inc
     {"a % b", [](uint32_t a, uint32_t b) { return b ? a % b : a; }},
     {"uint(int(a) / int(b))", [](uint32_t a, uint32_t b) { return b ? u(int64_t{s(a)} / s(b)) : ~0u; }},
     {"uint(-int(a))", [](uint32_t a, uint32_t) { return 0u - a; }},
@@ -217,13 +241,16 @@ const IntRow kInts[] = {
     {"uint(findLSB(a))", [](uint32_t a, uint32_t) { return a ? u(std::countr_zero(a)) : ~0u; }},
     {"uint(findMSB(a))", [](uint32_t a, uint32_t) { return u(31 - std::countl_zero(a)); }},
     {"uint(findMSB(int(a)))", [](uint32_t a, uint32_t) { return u(31 - std::countl_zero(s(a) < 0 ? ~a : a)); }},
-    {"bitfieldReverse(a)", [](uint32_t a, uint32_t) {
+    {"bitfieldReverse(a)",
+     [](uint32_t a, uint32_t) {
        uint32_t r = 0;
        for (int i = 0; i < 32; ++i) r |= (a >> i & 1) << (31 - i);
        return r;
      }},
-    {"bitfieldExtract(a, int(b & 15u), int(b >> 4u & 15u))", [](uint32_t a, uint32_t b) { return a >> (b & 15) & ((1u << (b >> 4 & 15)) - 1); }},
-    {"uint(bitfieldExtract(int(a), int(b & 15u), int(b >> 4u & 15u)))", [](uint32_t a, uint32_t b) {
+    {"bitfieldExtract(a, int(b & 15u), int(b >> 4u & 15u))",
+     [](uint32_t a, uint32_t b) { return a >> (b & 15) & ((1u << (b >> 4 & 15)) - 1); }},
+    {"uint(bitfieldExtract(int(a), int(b & 15u), int(b >> 4u & 15u)))",
+     [](uint32_t a, uint32_t b) {
        const uint32_t count = b >> 4 & 15;
        if (count == 0) return 0u;
        const uint32_t field = a >> (b & 15) & ((1u << count) - 1);
@@ -232,11 +259,18 @@ const IntRow kInts[] = {
     {"bitfieldExtract(a, 0, 32)", [](uint32_t a, uint32_t) { return a; }},
     {"bitfieldInsert(a, b, 7, 11)", [](uint32_t a, uint32_t b) { return (a & ~(0x7ffu << 7)) | (b & 0x7ff) << 7; }},
     {"bitfieldInsert(a, b, 0, 32)", [](uint32_t, uint32_t b) { return b; }},
-    {"uaddCarry(a, b, t) ^ (t << 31u)", [](uint32_t a, uint32_t b) { return (a + b) ^ uint32_t{a + b < a} << 31; }},
-    {"usubBorrow(a, b, t) ^ (t << 31u)", [](uint32_t a, uint32_t b) { return (a - b) ^ uint32_t{a < b} << 31; }},
-    {"(umulExtended(a, b, t, w), t ^ w)", [](uint32_t a, uint32_t b) { const uint64_t p = uint64_t{a} * b; return u(p >> 32) ^ u(p); }},
+    {"uaddCarry(a, b, t) ^ (t << 31u)", [](uint32_t a, uint32_t b) { return (a + b) ^ uint32_t { a + b < a } << 31; }},
+    {"usubBorrow(a, b, t) ^ (t << 31u)", [](uint32_t a, uint32_t b) { return (a - b) ^ uint32_t { a < b } << 31; }},
+    {"(umulExtended(a, b, t, w), t ^ w)",
+     [](uint32_t a, uint32_t b) {
+       const uint64_t p = uint64_t{a} * b;
+       return u(p >> 32) ^ u(p);
+     }},
     {"(imulExtended(int(a), int(b), ti, wi), uint(ti ^ wi))",
-     [](uint32_t a, uint32_t b) { const int64_t p = int64_t{s(a)} * s(b); return u(p >> 32) ^ u(p); }},
+     [](uint32_t a, uint32_t b) {
+       const int64_t p = int64_t{s(a)} * s(b);
+       return u(p >> 32) ^ u(p);
+     }},
     {"floatBitsToUint(uintBitsToFloat(a & 0x7f7fffffu))", [](uint32_t a, uint32_t) { return a & 0x7f7fffff; }},
     {"uint(float(a & 0xffffffu))", [](uint32_t a, uint32_t) { return a & 0xffffff; }},
     {"uint(int(float(int(a) >> 8)))", [](uint32_t a, uint32_t) { return u(s(a) >> 8); }},
@@ -297,7 +331,8 @@ const AssemblyFloatRow kFloatInstructions[] = {
     {"OpExtInst %float %glsl NMin %a %b", [](float a, float b) { return std::fmin(a, b); }},
     {"OpExtInst %float %glsl NMax %a %b", [](float a, float b) { return std::fmax(a, b); }},
     {"OpExtInst %float %glsl NClamp %a %c0 %c1", [](float a, float) { return std::fmin(std::fmax(a, 0.0f), 1.0f); }},
-    {"OpQuantizeToF16 %float %a", [](float a, float) {
+    {"OpQuantizeToF16 %float %a",
+     [](float a, float) {
        if (std::isnan(a) || std::isinf(a) || a == 0) return a;
        if (std::fabs(a) >= 65520) return std::copysign(float(kInf), a);
        if (std::fabs(a) < 0x1p-14f) return std::copysign(0.0f, a);
@@ -343,7 +378,8 @@ OpDecorate %data Binding 0
 %x1 = OpIAdd %uint %x %u16
 %pb = OpAccessChain %p_float %data %u0 %x1
 %b = OpLoad %float %pb
-)" + body + "OpReturn\nOpFunctionEnd\n";
+)" + body +
+         "OpReturn\nOpFunctionEnd\n";
 }
 
 TEST(SpirvArith, RelationsAndNanRules) {
@@ -385,8 +421,10 @@ TEST(SpirvArith, RelationsAndNanRules) {
         const float want = row.oracle(a, b), got = real(data[16 * at++ + lane]);
         // a - b * q may be fused: where b * q needs more than 24 bits the answer is not one number
         if (std::fabs(a / b) > 0x1p20f && row.text[3] == 'R') continue;
-        if (std::isnan(want)) EXPECT_TRUE(std::isnan(got)) << row.text << " of " << a << ", " << b;
-        else EXPECT_EQ(got, want) << row.text << " of " << a << ", " << b;
+        if (std::isnan(want))
+          EXPECT_TRUE(std::isnan(got)) << row.text << " of " << a << ", " << b;
+        else
+          EXPECT_EQ(got, want) << row.text << " of " << a << ", " << b;
       }
     }
   }

@@ -1,5 +1,5 @@
-// Atomics on 32-bit integers in storage buffers and Workgroup memory. Scopes and semantics need nothing more: the IR's atomics are
-// sequentially consistent, and plain 32-bit loads and stores are atomic on every target.
+// Atomics on 32-bit integers in storage buffers and Workgroup memory. Scopes and semantics need nothing more: the IR's atomics
+// are sequentially consistent, and plain 32-bit loads and stores are atomic on every target.
 #include "compiler/spirv/opcodes.h"
 
 namespace pineda::spirv {
@@ -53,13 +53,20 @@ void atomic_store(Translator& t, const Instruction& inst) {
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(AtomicLoad, 6, atomic_load), PINEDA_SPIRV_ROW(AtomicStore, 5, atomic_store),
-    PINEDA_SPIRV_ROW(AtomicExchange, 7, modify<AtomicOp::kExchange>), PINEDA_SPIRV_ROW(AtomicCompareExchange, 9, compare_exchange),
-    PINEDA_SPIRV_ROW(AtomicIIncrement, 6, step<1>), PINEDA_SPIRV_ROW(AtomicIDecrement, 6, step<~0u>),
-    PINEDA_SPIRV_ROW(AtomicIAdd, 7, modify<AtomicOp::kAdd>), PINEDA_SPIRV_ROW(AtomicISub, 7, subtract),
-    PINEDA_SPIRV_ROW(AtomicSMin, 7, modify<AtomicOp::kSMin>), PINEDA_SPIRV_ROW(AtomicUMin, 7, modify<AtomicOp::kUMin>),
-    PINEDA_SPIRV_ROW(AtomicSMax, 7, modify<AtomicOp::kSMax>), PINEDA_SPIRV_ROW(AtomicUMax, 7, modify<AtomicOp::kUMax>),
-    PINEDA_SPIRV_ROW(AtomicAnd, 7, modify<AtomicOp::kAnd>), PINEDA_SPIRV_ROW(AtomicOr, 7, modify<AtomicOp::kOr>),
+    PINEDA_SPIRV_ROW(AtomicLoad, 6, atomic_load),
+    PINEDA_SPIRV_ROW(AtomicStore, 5, atomic_store),
+    PINEDA_SPIRV_ROW(AtomicExchange, 7, modify<AtomicOp::kExchange>),
+    PINEDA_SPIRV_ROW(AtomicCompareExchange, 9, compare_exchange),
+    PINEDA_SPIRV_ROW(AtomicIIncrement, 6, step<1>),
+    PINEDA_SPIRV_ROW(AtomicIDecrement, 6, step<~0u>),
+    PINEDA_SPIRV_ROW(AtomicIAdd, 7, modify<AtomicOp::kAdd>),
+    PINEDA_SPIRV_ROW(AtomicISub, 7, subtract),
+    PINEDA_SPIRV_ROW(AtomicSMin, 7, modify<AtomicOp::kSMin>),
+    PINEDA_SPIRV_ROW(AtomicUMin, 7, modify<AtomicOp::kUMin>),
+    PINEDA_SPIRV_ROW(AtomicSMax, 7, modify<AtomicOp::kSMax>),
+    PINEDA_SPIRV_ROW(AtomicUMax, 7, modify<AtomicOp::kUMax>),
+    PINEDA_SPIRV_ROW(AtomicAnd, 7, modify<AtomicOp::kAnd>),
+    PINEDA_SPIRV_ROW(AtomicOr, 7, modify<AtomicOp::kOr>),
     PINEDA_SPIRV_ROW(AtomicXor, 7, modify<AtomicOp::kXor>),
 };
 

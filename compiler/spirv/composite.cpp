@@ -54,7 +54,8 @@ void composite_insert(Translator& t, const Instruction& inst) {
 void vector_shuffle(Translator& t, const Instruction& inst) {
   Values both = t.values(inst, 3);
   const Values second = t.values(inst, 4);
-  if (t.type_of(inst, 3).kind != TypeKind::kVector || t.type_of(inst, 4).kind != TypeKind::kVector) inst.fail("needs two vectors");
+  if (t.type_of(inst, 3).kind != TypeKind::kVector || t.type_of(inst, 4).kind != TypeKind::kVector)
+    inst.fail("needs two vectors");
   both.insert(both.end(), second.begin(), second.end());
   Values out;
   for (uint32_t index : inst.from(5)) {

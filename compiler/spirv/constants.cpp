@@ -29,8 +29,10 @@ Constant composite(const Module& m, const Instruction& inst, const Type& type) {
     if (!part) inst.fail("%" + std::to_string(id) + " is not a constant");
     const uint64_t count = m.type(part->type).scalar_count;
     if (c.scalars.size() + count > kMaxFlatScalars) inst.fail("the constant has more than 16384 scalars");
-    if (part->scalars.empty()) c.scalars.resize(c.scalars.size() + count, 0);
-    else c.scalars.insert(c.scalars.end(), part->scalars.begin(), part->scalars.end());
+    if (part->scalars.empty())
+      c.scalars.resize(c.scalars.size() + count, 0);
+    else
+      c.scalars.insert(c.scalars.end(), part->scalars.begin(), part->scalars.end());
   }
   return c;
 }
@@ -82,7 +84,8 @@ void declare_constant(Module& m, const Instruction& inst, std::span<const Specia
     case spv::OpSpecConstantOp:
       c = fold_spec_op(m, inst);
       break;
-    default: inst.fail("this constant is not supported");
+    default:
+      inst.fail("this constant is not supported");
   }
   if (type.scalar_count > kMaxFlatScalars) inst.fail("the constant has more than 16384 scalars");
   c.is_spec = inst.op() >= spv::OpSpecConstantTrue && inst.op() <= spv::OpSpecConstantOp;

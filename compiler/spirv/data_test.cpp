@@ -62,10 +62,11 @@ TEST(SpirvData, InverseTimesMatrixIsOne) {
     Words data(16);
     for (int i = 0; i < 16; ++i) data[i] = word(value(random) + (i % (n + 1) == 0 ? 3.0f : 0.0f));  // diagonally dominant
     const std::string type = "mat" + std::to_string(n), size = std::to_string(n);
-    const Words out = compute("if (lane != 0u) return; " + type + " m; for (int i = 0; i < " + size + " * " + size + "; ++i) m[i / " + size +
-                                  "][i % " + size + "] = d[i]; m = inverse(m) * m; for (int i = 0; i < " + size + " * " + size +
-                                  "; ++i) d[i] = m[i / " + size + "][i % " + size + "];",
-                              data, "float");
+    const Words out =
+        compute("if (lane != 0u) return; " + type + " m; for (int i = 0; i < " + size + " * " + size + "; ++i) m[i / " + size +
+                    "][i % " + size + "] = d[i]; m = inverse(m) * m; for (int i = 0; i < " + size + " * " + size +
+                    "; ++i) d[i] = m[i / " + size + "][i % " + size + "];",
+                data, "float");
     for (int i = 0; i < n * n; ++i) {  // some 30 roundings of numbers below 100 against a determinant above 10
       EXPECT_NEAR(real(out[i]), i % (n + 1) == 0 ? 1.0 : 0.0, 1e-5) << "mat" << n << " element " << i;
     }
@@ -124,7 +125,8 @@ TEST(SpirvData, Packing) {
 }
 
 TEST(SpirvData, CompositesAndDynamicIndices) {
-  const std::string globals = R"(struct Inner { vec2 p; float q[3]; bool on; }; struct Outer { Inner inner[2]; mat2x3 m; int tail; };
+  const std::string globals =
+      R"(struct Inner { vec2 p; float q[3]; bool on; }; struct Outer { Inner inner[2]; mat2x3 m; int tail; };
     Outer make(float base) { Outer o; for (int i = 0; i < 2; ++i) { o.inner[i].p = vec2(base + float(i), 2.0); o.inner[i].on = i == 1;
       for (int j = 0; j < 3; ++j) o.inner[i].q[j] = base * 10.0 + float(3 * i + j); } o.m = mat2x3(1, 2, 3, 4, 5, 6); o.tail = 9; return o; })";
   const std::string body = R"(Outer o = make(float(lane)); Outer copy = o; uint k = lane % 3u;
@@ -145,7 +147,8 @@ TEST(SpirvData, CompositesAndDynamicIndices) {
     v[k] = 7;
     std::swap(v[0], v[2]);
     const double m[6] = {1, 2, 3, 4, 5, 6}, table[3] = {5, 6, 8};
-    const double want = q[source][k] + ((lane & 1) == 0 ? 1000 : 0) + m[3 * (lane & 1) + k] * 0.125 + 90000 + v[k] * 1e5 + table[k] * 1e6;
+    const double want =
+        q[source][k] + ((lane & 1) == 0 ? 1000 : 0) + m[3 * (lane & 1) + k] * 0.125 + 90000 + v[k] * 1e5 + table[k] * 1e6;
     EXPECT_NEAR(real(out[lane]), want, want * 0x1p-22) << "lane " << lane;  // four roundings of the largest sum
   }
 }
@@ -167,10 +170,10 @@ TEST(SpirvData, UniformLayouts) {
   push = floats({0, 0, 0, 0, 40, 41});
   push.push_back(1);
   ASSERT_EQ(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, glsl(VK_SHADER_STAGE_COMPUTE_BIT, text)), "");
-  // std140, in words: f 0; v 4..6; s at 8, 16 words each (a 0..2, b 3, columns of m at 4, 8, 12); r at 40 (3 rows of 4); rs at 52 (2 x 2
-  // rows of 4); t at 68, stride 4.
-  const float want[16] = {0, 5, 8 + 16 + 2, 8 + 16 + 3, 8 + 16 + 12 + 1, 8 + 8 + 1, 40 + 8 + 3, 40 + 8 + 1, 52 + 8 + 1, 68 + 8, 41,
-                          52 + 8 + 4, 8 + 16 + 4, 40 + 4 + 1, 16, 0};
+  // std140, in words: f 0; v 4..6; s at 8, 16 words each (a 0..2, b 3, columns of m at 4, 8, 12); r at 40 (3 rows of 4); rs at 52
+  // (2 x 2 rows of 4); t at 68, stride 4.
+  const float want[16] = {0,          5,      8 + 16 + 2, 8 + 16 + 3, 8 + 16 + 12 + 1, 8 + 8 + 1,  40 + 8 + 3, 40 + 8 + 1,
+                          52 + 8 + 1, 68 + 8, 41,         52 + 8 + 4, 8 + 16 + 4,      40 + 4 + 1, 16,         0};
   for (int i = 0; i < 16; ++i) EXPECT_EQ(real(stage.buffers[0].words[i]), want[i]) << "d[" << i << "]";
 }
 
@@ -197,7 +200,8 @@ TEST(SpirvData, ArraysOfBuffers) {
 
 TEST(SpirvData, AtomicsAndSharedMemory) {
   const std::string globals = "shared uint sum; shared uint slots[16]; shared bool flag;";
-  const std::string body = R"(if (lane == 0u) { sum = 0u; flag = true; } barrier(); slots[15u - lane] = lane * lane; atomicAdd(sum, lane);
+  const std::string body =
+      R"(if (lane == 0u) { sum = 0u; flag = true; } barrier(); slots[15u - lane] = lane * lane; atomicAdd(sum, lane);
     memoryBarrierShared(); barrier(); uint old = atomicAdd(d[16], 2u); atomicMax(d[17], lane); atomicMin(d[18], lane + 3u); atomicOr(d[19], 1u << lane);
     atomicXor(d[20], lane); atomicAnd(d[21], ~(1u << lane)); if (lane == 5u) { d[24] = atomicExchange(d[22], 77u); d[25] = atomicCompSwap(d[23], 9u, 10u); }
     d[lane] = slots[lane] + sum * 1000u + (flag ? 1000000u : 0u); d[32u + lane] = old;)";
@@ -230,7 +234,8 @@ SpecializationConstant spec(uint32_t id, uint32_t value) {
 }
 
 TEST(SpirvData, Specialization) {
-  const std::string text = R"(layout(local_size_x_id = 0, local_size_y = 2, local_size_z_id = 9) in; layout(constant_id = 1) const int n = 3;
+  const std::string text =
+      R"(layout(local_size_x_id = 0, local_size_y = 2, local_size_z_id = 9) in; layout(constant_id = 1) const int n = 3;
     layout(constant_id = 2) const float f = 1.5; layout(constant_id = 3) const bool on = false; layout(constant_id = 4) const uint un = 5u;
     const int m = n * 2 - 7; const ivec2 pair = ivec2(n, m); const ivec2 swapped = pair.yx; const bool both = on && n > 2; const int chosen = both ? 10 : 20;
     const uint bits = (un << 3) ^ (un >> 1) | 1u; const int smod = -n % 4; const int neg = -n / 2;
@@ -238,24 +243,38 @@ TEST(SpirvData, Specialization) {
     void main() { float a[n + 1]; for (int i = 0; i <= n; ++i) a[i] = float(i * i); d[0] = a[n]; d[1] = float(m); d[2] = f; d[3] = float(swapped.x * 100 + swapped.y);
       d[4] = float(chosen); d[5] = float(bits); d[6] = float(gl_WorkGroupSize.x * 100u + gl_WorkGroupSize.y * 10u + gl_WorkGroupSize.z); d[7] = float(neg); })";
   const Words words = glsl(VK_SHADER_STAGE_COMPUTE_BIT, text);
-  struct Case { int n; float f; bool on; uint32_t un, x; };
+  struct Case {
+    int n;
+    float f;
+    bool on;
+    uint32_t un, x;
+  };
   for (const Case& c : {Case{3, 1.5f, false, 5, 1}, Case{8, -2.5f, true, 1000, 7}, Case{2, 0, true, 6, 4}}) {
     std::vector<SpecializationConstant> given;
-    if (c.x != 1) given = {spec(0, c.x), spec(1, uint32_t(c.n)), spec(2, word(c.f)), spec(3, c.on ? 2 : 0), spec(4, c.un), spec(77, 1)};
+    if (c.x != 1)
+      given = {spec(0, c.x), spec(1, uint32_t(c.n)), spec(2, word(c.f)), spec(3, c.on ? 2 : 0), spec(4, c.un), spec(77, 1)};
     FakeStage stage;
     stage.buffers[0].words.resize(8);
     ModuleInfo found;
     ASSERT_EQ(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, words, {.specialization = given}, &found), "");
     EXPECT_EQ(found.local_size, (std::array<uint32_t, 3>{c.x, 2, 1}));
     const int m = c.n * 2 - 7;
-    const float want[] = {float(c.n * c.n), float(m), c.f, float(m * 100 + c.n), c.on && c.n > 2 ? 10.0f : 20.0f,
-                          float((c.un << 3 ^ c.un >> 1) | 1), float(c.x * 100 + 21), float(-c.n / 2)};
+    const float want[] = {float(c.n * c.n),
+                          float(m),
+                          c.f,
+                          float(m * 100 + c.n),
+                          c.on && c.n > 2 ? 10.0f : 20.0f,
+                          float((c.un << 3 ^ c.un >> 1) | 1),
+                          float(c.x * 100 + 21),
+                          float(-c.n / 2)};
     for (int i = 0; i < 8; ++i) EXPECT_EQ(real(stage.buffers[0].words[i]), want[i]) << "d[" << i << "] with n = " << c.n;
   }
 }
 
 TEST(SpirvData, SpecializationOfTheWrongSize) {
-  const Words words = glsl(VK_SHADER_STAGE_COMPUTE_BIT, "layout(constant_id = 1) const int n = 3; layout(set = 0, binding = 0) buffer D { int d; }; void main() { d = n; }");
+  const Words words =
+      glsl(VK_SHADER_STAGE_COMPUTE_BIT,
+           "layout(constant_id = 1) const int n = 3; layout(set = 0, binding = 0) buffer D { int d; }; void main() { d = n; }");
   const std::vector<SpecializationConstant> given{{.id = 1, .bytes = {1, 2}}};
   FakeStage stage;
   stage.buffers[0].words.resize(1);
@@ -265,7 +284,8 @@ TEST(SpirvData, SpecializationOfTheWrongSize) {
 TEST(SpirvData, SelectOfCompositesAndCopies) {  // SPIR-V 1.4: scalar condition on vectors, OpCopyLogical
   const Words words = glsl(VK_SHADER_STAGE_COMPUTE_BIT, R"(layout(local_size_x = 16) in; struct A { vec2 p; uint k; };
     layout(std140, set = 0, binding = 1) uniform U { A a; } u; layout(std430, set = 0, binding = 0) buffer D { A d[16]; };
-    void main() { uint i = gl_LocalInvocationIndex; A local = u.a; vec2 q = i > 3u ? local.p : local.p.yx; d[i] = local; d[i].p = q; })", "spirv1.4");
+    void main() { uint i = gl_LocalInvocationIndex; A local = u.a; vec2 q = i > 3u ? local.p : local.p.yx; d[i] = local; d[i].p = q; })",
+                           "spirv1.4");
   FakeStage stage;
   stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
   stage.buffers[0].words.resize(64);

@@ -23,14 +23,17 @@ const Block& Flow::block(const Instruction& at, uint32_t label) const {
 void Flow::enter(const Block& block) {
   const size_t index = &block - f_.blocks.data();
   if (emitted_[index]) {
-    end_of(block).fail("control flow is not structured: block %" + std::to_string(block.label) + " is reached from two constructs");
+    end_of(block).fail("control flow is not structured: block %" + std::to_string(block.label) +
+                       " is reached from two constructs");
   }
   emitted_[index] = true;
   phis(block);
   for (uint32_t i = block.first; i < block.terminator; ++i) {
     const Instruction& inst = t_.m.instructions[i];
-    if (inst.op() != spv::OpPhi) t_.instruction(inst);
-    else if (i != block.first && t_.m.instructions[i - 1].op() != spv::OpPhi) t_.instruction(inst);  // fails: not at the head
+    if (inst.op() != spv::OpPhi)
+      t_.instruction(inst);
+    else if (i != block.first && t_.m.instructions[i - 1].op() != spv::OpPhi)
+      t_.instruction(inst);  // fails: not at the head
   }
 }
 
@@ -149,7 +152,8 @@ bool Flow::guarded(const Instruction& at, uint32_t merge, uint32_t stop, size_t 
   const ir::Value cond = guard(mark);
   if (!cond) return go_on(at, merge, stop);
   bool reached = false;
-  t_.in_if(at, cond, [&] { reached = go_on(at, merge, stop); }, [] {});
+  t_.in_if(
+      at, cond, [&] { reached = go_on(at, merge, stop); }, [] {});
   return reached;
 }
 
@@ -178,7 +182,9 @@ bool Flow::terminator(const Block& current, uint32_t stop, std::optional<uint32_
       const size_t mark = jumps_.size();
       return switch_(current) && behind(inst, current.merge, stop, mark, next);
     }
-    case spv::OpReturnValue: t_.set_return(inst); [[fallthrough]];
+    case spv::OpReturnValue:
+      t_.set_return(inst);
+      [[fallthrough]];
     case spv::OpReturn:
       if (stop == kReturn) return true;
       if (!jump(inst, kReturn)) inst.fail("control flow is not structured");
@@ -188,7 +194,8 @@ bool Flow::terminator(const Block& current, uint32_t stop, std::optional<uint32_
       if (!t_.is_fragment()) inst.fail("stands outside a fragment shader");
       t_.discard();
       return true;
-    default: return false;  // OpUnreachable
+    default:
+      return false;  // OpUnreachable
   }
 }
 
@@ -198,7 +205,8 @@ bool Flow::conditional(const Block& current, uint32_t stop) {
   if (inst.word(2) == inst.word(3)) return go(current, inst.word(2), stop);
   bool reached = false;
   const ir::Value cond = t_.scalar(inst, 1, ir::Type::kB1);
-  t_.in_if(inst, cond, [&] { reached |= go(current, inst.word(2), stop); }, [&] { reached |= go(current, inst.word(3), stop); });
+  t_.in_if(
+      inst, cond, [&] { reached |= go(current, inst.word(2), stop); }, [&] { reached |= go(current, inst.word(3), stop); });
   return reached;
 }
 
@@ -242,8 +250,8 @@ bool Flow::loop(const Block& header) {
   return leaves;
 }
 
-// One iteration. A continue target with one predecessor is an ordinary block of the body; otherwise the continue construct follows the body,
-// under the guard of what left the loop.
+// One iteration. A continue target with one predecessor is an ordinary block of the body; otherwise the continue construct
+// follows the body, under the guard of what left the loop.
 bool Flow::loop_body(const Block& header) {
   const Instruction& at = end_of(header);
   const uint32_t continue_target = header.continue_target;

@@ -1,10 +1,11 @@
 // SPIR-V's structured control flow (specification 2.11) -> If and Loop.
 //
-// A sequence of blocks is emitted from its first block up to a `stop` block (the merge block of the construct around it). Branching to stop
-// ends the sequence. Branching anywhere else that encloses it (the merge or continue target of a loop, the merge of a switch, the next
-// case, the function's end) is a jump: the lane sets that target's flag and the sequence ends. Whatever follows an inner construct inside
-// an outer one runs under "no flag that was set in there", and a loop goes on for the lanes that reached its back edge. Code behind a
-// construct whose first side never comes back is emitted inside the other side, so `if (x) return; rest` needs no flag.
+// A sequence of blocks is emitted from its first block up to a `stop` block (the merge block of the construct around it).
+// Branching to stop ends the sequence. Branching anywhere else that encloses it (the merge or continue target of a loop, the
+// merge of a switch, the next case, the function's end) is a jump: the lane sets that target's flag and the sequence ends.
+// Whatever follows an inner construct inside an outer one runs under "no flag that was set in there", and a loop goes on for the
+// lanes that reached its back edge. Code behind a construct whose first side never comes back is emitted inside the other side,
+// so `if (x) return; rest` needs no flag.
 //
 //     loop header H, merge M, continue C            IR
 //     H: phis, code                                 Loop { again = false
@@ -12,9 +13,9 @@
 //     B: ...  branch C                                Yield again }
 //     C: i++  branch H                              (M follows)
 //
-// OpKill and OpTerminateInvocation let the lane run on as a helper invocation, so that derivatives stay defined and no guards are needed: its
-// writes are suppressed (Translator::effect) and it leaves every loop at the end of the iteration, so it cannot run forever in a loop
-// whose exit the discard had made sure of.
+// OpKill and OpTerminateInvocation let the lane run on as a helper invocation, so that derivatives stay defined and no guards are
+// needed: its writes are suppressed (Translator::effect) and it leaves every loop at the end of the iteration, so it cannot run
+// forever in a loop whose exit the discard had made sure of.
 #pragma once
 
 #include "compiler/spirv/translator.h"
@@ -41,7 +42,7 @@ class Flow {
 
   // All of these give whether `stop` can be reached.
   bool sequence(uint32_t label, uint32_t stop, bool inside_loop = false);
-  bool go(const Block& from, uint32_t to, uint32_t stop);       // takes an edge: phis, then go_on
+  bool go(const Block& from, uint32_t to, uint32_t stop);  // takes an edge: phis, then go_on
   bool go_on(const Instruction& at, uint32_t to, uint32_t stop);
   bool guarded(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark);  // behind a construct: under its guards
   bool behind(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark, std::optional<uint32_t>& next);
@@ -71,8 +72,8 @@ class Flow {
   Translator& t_;
   const Function& f_;
   std::vector<bool> emitted_;
-  std::vector<Target> targets_;   // innermost last
-  std::vector<uint32_t> jumps_;   // indices in targets_ of the jumps emitted so far that are still to arrive
+  std::vector<Target> targets_;  // innermost last
+  std::vector<uint32_t> jumps_;  // indices in targets_ of the jumps emitted so far that are still to arrive
   uint32_t depth_ = 0;
 };
 

@@ -35,7 +35,8 @@ std::vector<Flow::Case> Flow::cases(const Instruction& inst, uint32_t merge) con
 }
 
 // Each block of a structured switch belongs to one case, so one walk over all of them finds who falls into whom.
-std::vector<Flow::Case> Flow::in_fall_through_order(const Instruction& inst, const std::vector<Case>& cases, uint32_t merge) const {
+std::vector<Flow::Case> Flow::in_fall_through_order(const Instruction& inst, const std::vector<Case>& cases,
+                                                    uint32_t merge) const {
   std::unordered_map<uint32_t, size_t> case_of;
   for (size_t i = 0; i < cases.size(); ++i) case_of.emplace(cases[i].block, i);
   std::vector<std::vector<size_t>> falls_into(cases.size());
@@ -55,7 +56,8 @@ std::vector<Flow::Case> Flow::in_fall_through_order(const Instruction& inst, con
       }
       if (label == merge || is_target(label)) continue;
       const auto [found, is_new] = owner.emplace(label, i);
-      if (!is_new && found->second != i) inst.fail("control flow is not structured: two cases share block %" + std::to_string(label));
+      if (!is_new && found->second != i)
+        inst.fail("control flow is not structured: two cases share block %" + std::to_string(label));
       if (!is_new) continue;
       for (uint32_t next : successors(block(inst, label))) pending.push_back(next);
     }

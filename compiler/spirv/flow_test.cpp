@@ -16,12 +16,12 @@ void check(const std::string& body, uint32_t (*oracle)(uint32_t), const std::str
 }
 
 // Pastes one text into the shader and into C++.
-#define SAME_IN_BOTH(...)                                             \
-  check(#__VA_ARGS__, [](uint32_t x) {                                \
-    uint32_t r = 0;                                                   \
-    const auto body = [&] { __VA_ARGS__ };                            \
-    body();                                                           \
-    return r;                                                         \
+#define SAME_IN_BOTH(...)                  \
+  check(#__VA_ARGS__, [](uint32_t x) {     \
+    uint32_t r = 0;                        \
+    const auto body = [&] { __VA_ARGS__ }; \
+    body();                                \
+    return r;                              \
   })
 using uint = uint32_t;
 
@@ -29,8 +29,14 @@ TEST(SpirvFlow, IfElse) { SAME_IN_BOTH(if (x > 7u) r = 1u; else if (x > 3u) r = 
 
 TEST(SpirvFlow, LoopsCountPerLane) {
   SAME_IN_BOTH(for (uint i = 0u; i < x; ++i) r += i * i;);
-  SAME_IN_BOTH(do { r += x; x >>= 1; } while (x > 2u););
-  SAME_IN_BOTH(while (x != 0u) { x = x & (x - 1u); ++r; });
+  SAME_IN_BOTH(do {
+    r += x;
+    x >>= 1;
+  } while (x > 2u););
+  SAME_IN_BOTH(while (x != 0u) {
+    x = x & (x - 1u);
+    ++r;
+  });
 }
 
 TEST(SpirvFlow, SeveralExits) {
@@ -47,8 +53,14 @@ TEST(SpirvFlow, BreakOutOfNestedLoops) {
   SAME_IN_BOTH(for (uint i = 0u; i < 6u; ++i) {
     bool stop = false;
     for (uint j = 0u; j < 6u; ++j) {
-      if (i * j == x) { stop = true; break; }
-      if (j > i) { r += 1000u; continue; }
+      if (i * j == x) {
+        stop = true;
+        break;
+      }
+      if (j > i) {
+        r += 1000u;
+        continue;
+      }
       r += i + j;
       for (uint k = 0u;; ++k) {
         if (k == j) break;
@@ -62,70 +74,130 @@ TEST(SpirvFlow, BreakOutOfNestedLoops) {
 
 TEST(SpirvFlow, SwitchFallsThrough) {
   SAME_IN_BOTH(switch (x) {
-    case 0u: r = 5u; break;
-    case 1u: r += 1u;
-    case 2u: r += 2u;
-    case 3u: r += 3u; break;
-    case 4u: case 5u: r = 45u;
-    default: r += 1000u;
-    case 6u: r += 6u; break;
-    case 9u: if (r == 0u) { r = 9u; break; } r = 8u;
-    case 10u: r += 10u;
+    case 0u:
+      r = 5u;
+      break;
+    case 1u:
+      r += 1u;
+    case 2u:
+      r += 2u;
+    case 3u:
+      r += 3u;
+      break;
+    case 4u:
+    case 5u:
+      r = 45u;
+    default:
+      r += 1000u;
+    case 6u:
+      r += 6u;
+      break;
+    case 9u:
+      if (r == 0u) {
+        r = 9u;
+        break;
+      }
+      r = 8u;
+    case 10u:
+      r += 10u;
   });
 }
 
 TEST(SpirvFlow, SwitchInLoopContinues) {
   SAME_IN_BOTH(for (uint i = 0u; i < 10u; ++i) {
     switch ((i + x) % 5u) {
-      case 0u: continue;
-      case 1u: r += 1u; break;
-      case 2u: if (i > 5u) continue; r += 20u;
-      case 3u: { for (uint j = 0u; j < 3u; ++j) { if (j == x % 3u) break; r += j; } break; }
-      default: switch (x & 3u) { case 0u: r += 3u; case 1u: r += 5u; break; default: continue; }
+      case 0u:
+        continue;
+      case 1u:
+        r += 1u;
+        break;
+      case 2u:
+        if (i > 5u) continue;
+        r += 20u;
+      case 3u: {
+        for (uint j = 0u; j < 3u; ++j) {
+          if (j == x % 3u) break;
+          r += j;
+        }
+        break;
+      }
+      default:
+        switch (x & 3u) {
+          case 0u:
+            r += 3u;
+          case 1u:
+            r += 5u;
+            break;
+          default:
+            continue;
+        }
     }
     r *= 3u;
   });
 }
 
 TEST(SpirvFlow, EarlyReturns) {
-  SAME_IN_BOTH(if (x == 3u) { r = 33u; return; } r = 1u; if (x > 10u) { if (x == 12u) { r = 12u; return; } r += 2u; } r += 4u;);
-  check("r = f(x) + f(x + 1u) * 100u;",
-        [](uint32_t x) {
-          const auto f = [](uint32_t y) {
-            for (uint32_t i = 0; i < 8; ++i) {
-              for (uint32_t j = 0; j < 8; ++j) {
-                if (i * 8 + j == y * 3) return i + 10 * j;
-              }
-              if (i == 5) return 77u;
+  SAME_IN_BOTH(
+      if (x == 3u) {
+        r = 33u;
+        return;
+      } r = 1u;
+      if (x > 10u) {
+        if (x == 12u) {
+          r = 12u;
+          return;
+        }
+        r += 2u;
+      } r += 4u;);
+  check(
+      "r = f(x) + f(x + 1u) * 100u;",
+      [](uint32_t x) {
+        const auto f = [](uint32_t y) {
+          for (uint32_t i = 0; i < 8; ++i) {
+            for (uint32_t j = 0; j < 8; ++j) {
+              if (i * 8 + j == y * 3) return i + 10 * j;
             }
-            return 99u;
-          };
-          return f(x) + f(x + 1) * 100;
-        },
-        "uint f(uint y) { for (uint i = 0u; i < 8u; ++i) { for (uint j = 0u; j < 8u; ++j) { if (i * 8u + j == y * 3u) return i + 10u * j; }"
-        " if (i == 5u) return 77u; } return 99u; }");
+            if (i == 5) return 77u;
+          }
+          return 99u;
+        };
+        return f(x) + f(x + 1) * 100;
+      },
+      "uint f(uint y) { for (uint i = 0u; i < 8u; ++i) { for (uint j = 0u; j < 8u; ++j) { if (i * 8u + j == y * 3u) return i + "
+      "10u * j; }"
+      " if (i == 5u) return 77u; } return 99u; }");
 }
 
 TEST(SpirvFlow, FunctionsWithReferences) {
-  check("uint a[4] = uint[](1u, 2u, 3u, x); for (uint i = 0u; i < 3u; ++i) twice(a[i], r); g(r, a); r += a[x & 3u];",
-        [](uint32_t x) {
-          uint32_t r = 0, a[4] = {1, 2, 3, x};
-          for (uint32_t i = 0; i < 3; ++i) { a[i] *= 2; r += a[i]; }
-          a[1] += r; r += a[3];
-          return r + a[x & 3];
-        },
-        "void twice(inout uint v, inout uint sum) { v *= 2u; sum += v; } void g(inout uint s, inout uint b[4]) { b[1] += s; s += b[3]; }");
+  check(
+      "uint a[4] = uint[](1u, 2u, 3u, x); for (uint i = 0u; i < 3u; ++i) twice(a[i], r); g(r, a); r += a[x & 3u];",
+      [](uint32_t x) {
+        uint32_t r = 0, a[4] = {1, 2, 3, x};
+        for (uint32_t i = 0; i < 3; ++i) {
+          a[i] *= 2;
+          r += a[i];
+        }
+        a[1] += r;
+        r += a[3];
+        return r + a[x & 3];
+      },
+      "void twice(inout uint v, inout uint sum) { v *= 2u; sum += v; } void g(inout uint s, inout uint b[4]) { b[1] += s; s += "
+      "b[3]; }");
 }
 
 TEST(SpirvFlow, ShortCircuit) {
-  check("if (x > 2u && f(r) || x == 0u) r += 50u;",
-        [](uint32_t x) {
-          uint32_t r = 0;
-          const auto f = [&] { r += 1; return x % 2 == 0; };
-          if ((x > 2 && f()) || x == 0) r += 50;
-          return r;
-        },
-        "bool f(inout uint s) { s += 1u; return (gl_LocalInvocationIndex & 1u) == 0u; }");
+  check(
+      "if (x > 2u && f(r) || x == 0u) r += 50u;",
+      [](uint32_t x) {
+        uint32_t r = 0;
+        const auto f = [&] {
+          r += 1;
+          return x % 2 == 0;
+        };
+        if ((x > 2 && f()) || x == 0) r += 50;
+        return r;
+      },
+      "bool f(inout uint s) { s += 1u; return (gl_LocalInvocationIndex & 1u) == 0u; }");
 }
 
 // ---- SPIR-V that GLSL compilers do not write ----
@@ -194,11 +266,16 @@ OpBranchConditional %go %next %done
 OpBranch %head
 %done = OpLabel
 %result = OpPhi %uint %a %head
-)", [](uint32_t x) {
-    uint32_t a = 0, b = 1;
-    for (uint32_t i = 0; i < x; ++i) { const uint32_t s = a + b; a = b; b = s; }
-    return a;
-  });
+)",
+               [](uint32_t x) {
+                 uint32_t a = 0, b = 1;
+                 for (uint32_t i = 0; i < x; ++i) {
+                   const uint32_t s = a + b;
+                   a = b;
+                   b = s;
+                 }
+                 return a;
+               });
 }
 
 TEST(SpirvFlow, ValuesOutliveTheirLoopAndBranch) {  // %v and %w dominate their uses but stand in inner regions
@@ -230,12 +307,13 @@ OpBranchConditional %both %done %next
 OpBranch %head
 %done = OpLabel
 %result = OpIAdd %uint %v %i
-)", [](uint32_t x) {
-    for (uint32_t i = 0;; ++i) {
-      if (i % 2 == 1 && i >= x) return 8 * i;
-      if (7 * i + x > x && i > x) return 8 * i;
-    }
-  });
+)",
+               [](uint32_t x) {
+                 for (uint32_t i = 0;; ++i) {
+                   if (i % 2 == 1 && i >= x) return 8 * i;
+                   if (7 * i + x > x && i > x) return 8 * i;
+                 }
+               });
 }
 
 TEST(SpirvFlow, SingleBlockLoop) {
@@ -251,11 +329,15 @@ OpLoopMerge %done %loop None
 OpBranchConditional %go %loop %done
 %done = OpLabel
 %result = OpIAdd %uint %s1 %i1
-)", [](uint32_t x) {
-    uint32_t i = 0, s = 3;
-    do { ++i; s *= 3; } while (i < x);
-    return s + i;
-  });
+)",
+               [](uint32_t x) {
+                 uint32_t i = 0, s = 3;
+                 do {
+                   ++i;
+                   s *= 3;
+                 } while (i < x);
+                 return s + i;
+               });
 }
 
 TEST(SpirvFlow, ContinueFromANestedSwitchAndConditionalBackEdge) {
@@ -287,15 +369,20 @@ OpBranch %next
 OpBranchConditional %go %head %done
 %done = OpLabel
 %result = OpPhi %uint %s_other %other %s1 %next
-)", [](uint32_t x) {
-    uint32_t s = 0, i = 0;
-    do {
-      if (i % 3 == 0) s += x;
-      else if (i % 3 == 2) { s += 7; if (s > x) return s; }
-      ++i;
-    } while (i < 7);
-    return s;
-  });
+)",
+               [](uint32_t x) {
+                 uint32_t s = 0, i = 0;
+                 do {
+                   if (i % 3 == 0)
+                     s += x;
+                   else if (i % 3 == 2) {
+                     s += 7;
+                     if (s > x) return s;
+                   }
+                   ++i;
+                 } while (i < 7);
+                 return s;
+               });
 }
 
 TEST(SpirvFlow, RefusesWhatIsNotStructured) {

@@ -1,4 +1,5 @@
-// Functions and their blocks: the structure that flow.cpp walks. Only form is checked here; whether the graph is structured shows when it is walked.
+// Functions and their blocks: the structure that flow.cpp walks. Only form is checked here; whether the graph is structured shows
+// when it is walked.
 #include "compiler/spirv/module.h"
 
 namespace pineda::spirv {
@@ -13,8 +14,10 @@ bool is_terminator(spv::Op op) {
     case spv::OpReturnValue:
     case spv::OpKill:
     case spv::OpTerminateInvocation:
-    case spv::OpUnreachable: return true;
-    default: return false;
+    case spv::OpUnreachable:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -99,11 +102,17 @@ class FunctionReader {
       const Instruction& end = m_.instructions[block.terminator];
       switch (end.op()) {
         case spv::OpReturn:
-        case spv::OpReturnValue: ++returns; break;
+        case spv::OpReturnValue:
+          ++returns;
+          break;
         case spv::OpKill:
         case spv::OpTerminateInvocation:
-        case spv::OpUnreachable: ++dead_ends; break;
-        case spv::OpBranch: add_edge(end, end.word(1)); break;
+        case spv::OpUnreachable:
+          ++dead_ends;
+          break;
+        case spv::OpBranch:
+          add_edge(end, end.word(1));
+          break;
         case spv::OpBranchConditional:
           add_edge(end, end.word(2));
           add_edge(end, end.word(3));
@@ -112,16 +121,18 @@ class FunctionReader {
           add_edge(end, end.word(2));
           for (uint32_t i = 3; i < end.size(); i += 2) add_edge(end, end.word(i + 1));
           break;
-        default: break;
+        default:
+          break;
       }
-      if (block.merge_kind != MergeKind::kNone && !function_.block_index.contains(block.merge)) end.fail("the merge block is missing");
+      if (block.merge_kind != MergeKind::kNone && !function_.block_index.contains(block.merge))
+        end.fail("the merge block is missing");
       if (block.merge_kind == MergeKind::kLoop && !function_.block_index.contains(block.continue_target)) {
         end.fail("the continue target is missing");
       }
     }
     // A single return without dead ends beside it stands at the end: every construct's merge block leads there.
     function_.returns_early = returns > 1 || dead_ends > 0;
-    function_.dynamic_parameters.resize(function_.parameters.size());
+    function_.parameter_steps.resize(function_.parameters.size());
     function_.written_parameters.resize(function_.parameters.size());
     const uint32_t id = function_.id;
     m_.functions[id] = std::move(function_);

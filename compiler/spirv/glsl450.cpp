@@ -1,5 +1,5 @@
-// GLSL.std.450: the dispatcher and the common functions. FMin, FMax and FClamp leave NaNs to us: they follow the IR's FMin and FMax, which
-// give the first operand; NMin, NMax and NClamp give the operand that is a number.
+// GLSL.std.450: the dispatcher and the common functions. FMin, FMax and FClamp leave NaNs to us: they follow the IR's FMin and
+// FMax, which give the first operand; NMin, NMax and NClamp give the operand that is a number.
 #include "compiler/spirv/glsl450.h"
 
 #include <algorithm>
@@ -65,9 +65,7 @@ void f_clamp(Translator& t, const Instruction& inst) {
 }
 // Vulkan, "Precision of Individual Operations": x * (1 - a) + y * a, exact at both ends.
 void f_mix(Translator& t, const Instruction& inst) {
-  glsl_map3<true>(t, inst, [&](Value x, Value y, Value a) {
-    return t.fadd(t.fmul(x, t.fsub(t.b.f32(1), a)), t.fmul(y, a));
-  });
+  glsl_map3<true>(t, inst, [&](Value x, Value y, Value a) { return t.fadd(t.fmul(x, t.fsub(t.b.f32(1), a)), t.fmul(y, a)); });
 }
 void step(Translator& t, const Instruction& inst) {
   glsl_map2<true>(t, inst, [&](Value edge, Value x) { return t.b.select(t.b.flt(x, edge), t.b.f32(0), t.b.f32(1)); });
@@ -98,30 +96,57 @@ void find_s_msb(Translator& t, const Instruction& inst) {  // of the bits that d
 
 constexpr ExtRow kRows[] = {
     PINEDA_GLSL_ROW(Round, 1, f1<Op::kFRoundEven>),  // which way 0.5 goes is ours to choose
-    PINEDA_GLSL_ROW(RoundEven, 1, f1<Op::kFRoundEven>), PINEDA_GLSL_ROW(Trunc, 1, f1<Op::kFTrunc>),
-    PINEDA_GLSL_ROW(FAbs, 1, f1<Op::kFAbs>), PINEDA_GLSL_ROW(SAbs, 1, s_abs), PINEDA_GLSL_ROW(FSign, 1, f_sign),
-    PINEDA_GLSL_ROW(SSign, 1, s_sign), PINEDA_GLSL_ROW(Floor, 1, f1<Op::kFFloor>), PINEDA_GLSL_ROW(Ceil, 1, f1<Op::kFCeil>),
-    PINEDA_GLSL_ROW(Fract, 1, fract), PINEDA_GLSL_ROW(Radians, 1, radians), PINEDA_GLSL_ROW(Degrees, 1, degrees),
-    PINEDA_GLSL_ROW(Sin, 1, f1<Op::kFSin>), PINEDA_GLSL_ROW(Cos, 1, f1<Op::kFCos>), PINEDA_GLSL_ROW(Tan, 1, f1<Op::kFTan>),
-    PINEDA_GLSL_ROW(Asin, 1, f1<Op::kFAsin>), PINEDA_GLSL_ROW(Acos, 1, f1<Op::kFAcos>), PINEDA_GLSL_ROW(Atan, 1, f1<Op::kFAtan>),
-    PINEDA_GLSL_ROW(Atan2, 2, f2<Op::kFAtan2>), PINEDA_GLSL_ROW(Pow, 2, f2<Op::kFPow>), PINEDA_GLSL_ROW(Exp, 1, f1<Op::kFExp>),
-    PINEDA_GLSL_ROW(Log, 1, f1<Op::kFLog>), PINEDA_GLSL_ROW(Exp2, 1, f1<Op::kFExp2>), PINEDA_GLSL_ROW(Log2, 1, f1<Op::kFLog2>),
-    PINEDA_GLSL_ROW(Sqrt, 1, f1<Op::kFSqrt>), PINEDA_GLSL_ROW(InverseSqrt, 1, inverse_sqrt),
-    PINEDA_GLSL_ROW(FMin, 2, f2<Op::kFMin>), PINEDA_GLSL_ROW(UMin, 2, i2<Op::kUMin>), PINEDA_GLSL_ROW(SMin, 2, i2<Op::kSMin>),
-    PINEDA_GLSL_ROW(FMax, 2, f2<Op::kFMax>), PINEDA_GLSL_ROW(UMax, 2, i2<Op::kUMax>), PINEDA_GLSL_ROW(SMax, 2, i2<Op::kSMax>),
-    PINEDA_GLSL_ROW(FClamp, 3, f_clamp), PINEDA_GLSL_ROW(UClamp, 3, i_clamp<Op::kUMax, Op::kUMin>),
-    PINEDA_GLSL_ROW(SClamp, 3, i_clamp<Op::kSMax, Op::kSMin>), PINEDA_GLSL_ROW(FMix, 3, f_mix), PINEDA_GLSL_ROW(Step, 2, step),
-    PINEDA_GLSL_ROW(SmoothStep, 3, smooth_step), PINEDA_GLSL_ROW(Fma, 3, fma), PINEDA_GLSL_ROW(FindILsb, 1, find_i_lsb),
-    PINEDA_GLSL_ROW(FindSMsb, 1, find_s_msb), PINEDA_GLSL_ROW(FindUMsb, 1, find_u_msb),
-    PINEDA_GLSL_ROW(NMin, 2, [](Translator& t, const Instruction& i) {
-      glsl_map2<true>(t, i, [&](Value a, Value c) { return n_min(t, a, c); });
-    }),
-    PINEDA_GLSL_ROW(NMax, 2, [](Translator& t, const Instruction& i) {
-      glsl_map2<true>(t, i, [&](Value a, Value c) { return n_max(t, a, c); });
-    }),
-    PINEDA_GLSL_ROW(NClamp, 3, [](Translator& t, const Instruction& i) {
-      glsl_map3<true>(t, i, [&](Value x, Value low, Value high) { return n_min(t, n_max(t, x, low), high); });
-    }),
+    PINEDA_GLSL_ROW(RoundEven, 1, f1<Op::kFRoundEven>),
+    PINEDA_GLSL_ROW(Trunc, 1, f1<Op::kFTrunc>),
+    PINEDA_GLSL_ROW(FAbs, 1, f1<Op::kFAbs>),
+    PINEDA_GLSL_ROW(SAbs, 1, s_abs),
+    PINEDA_GLSL_ROW(FSign, 1, f_sign),
+    PINEDA_GLSL_ROW(SSign, 1, s_sign),
+    PINEDA_GLSL_ROW(Floor, 1, f1<Op::kFFloor>),
+    PINEDA_GLSL_ROW(Ceil, 1, f1<Op::kFCeil>),
+    PINEDA_GLSL_ROW(Fract, 1, fract),
+    PINEDA_GLSL_ROW(Radians, 1, radians),
+    PINEDA_GLSL_ROW(Degrees, 1, degrees),
+    PINEDA_GLSL_ROW(Sin, 1, f1<Op::kFSin>),
+    PINEDA_GLSL_ROW(Cos, 1, f1<Op::kFCos>),
+    PINEDA_GLSL_ROW(Tan, 1, f1<Op::kFTan>),
+    PINEDA_GLSL_ROW(Asin, 1, f1<Op::kFAsin>),
+    PINEDA_GLSL_ROW(Acos, 1, f1<Op::kFAcos>),
+    PINEDA_GLSL_ROW(Atan, 1, f1<Op::kFAtan>),
+    PINEDA_GLSL_ROW(Atan2, 2, f2<Op::kFAtan2>),
+    PINEDA_GLSL_ROW(Pow, 2, f2<Op::kFPow>),
+    PINEDA_GLSL_ROW(Exp, 1, f1<Op::kFExp>),
+    PINEDA_GLSL_ROW(Log, 1, f1<Op::kFLog>),
+    PINEDA_GLSL_ROW(Exp2, 1, f1<Op::kFExp2>),
+    PINEDA_GLSL_ROW(Log2, 1, f1<Op::kFLog2>),
+    PINEDA_GLSL_ROW(Sqrt, 1, f1<Op::kFSqrt>),
+    PINEDA_GLSL_ROW(InverseSqrt, 1, inverse_sqrt),
+    PINEDA_GLSL_ROW(FMin, 2, f2<Op::kFMin>),
+    PINEDA_GLSL_ROW(UMin, 2, i2<Op::kUMin>),
+    PINEDA_GLSL_ROW(SMin, 2, i2<Op::kSMin>),
+    PINEDA_GLSL_ROW(FMax, 2, f2<Op::kFMax>),
+    PINEDA_GLSL_ROW(UMax, 2, i2<Op::kUMax>),
+    PINEDA_GLSL_ROW(SMax, 2, i2<Op::kSMax>),
+    PINEDA_GLSL_ROW(FClamp, 3, f_clamp),
+    PINEDA_GLSL_ROW(UClamp, 3, i_clamp<Op::kUMax, Op::kUMin>),
+    PINEDA_GLSL_ROW(SClamp, 3, i_clamp<Op::kSMax, Op::kSMin>),
+    PINEDA_GLSL_ROW(FMix, 3, f_mix),
+    PINEDA_GLSL_ROW(Step, 2, step),
+    PINEDA_GLSL_ROW(SmoothStep, 3, smooth_step),
+    PINEDA_GLSL_ROW(Fma, 3, fma),
+    PINEDA_GLSL_ROW(FindILsb, 1, find_i_lsb),
+    PINEDA_GLSL_ROW(FindSMsb, 1, find_s_msb),
+    PINEDA_GLSL_ROW(FindUMsb, 1, find_u_msb),
+    PINEDA_GLSL_ROW(
+        NMin, 2,
+        [](Translator& t, const Instruction& i) { glsl_map2<true>(t, i, [&](Value a, Value c) { return n_min(t, a, c); }); }),
+    PINEDA_GLSL_ROW(
+        NMax, 2,
+        [](Translator& t, const Instruction& i) { glsl_map2<true>(t, i, [&](Value a, Value c) { return n_max(t, a, c); }); }),
+    PINEDA_GLSL_ROW(NClamp, 3,
+                    [](Translator& t, const Instruction& i) {
+                      glsl_map3<true>(t, i, [&](Value x, Value low, Value high) { return n_min(t, n_max(t, x, low), high); });
+                    }),
 };
 
 struct Table {

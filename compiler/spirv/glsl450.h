@@ -7,7 +7,8 @@
 
 namespace pineda::spirv {
 
-#define PINEDA_GLSL_ROW(name, operands, ...) {GLSLstd450##name, #name, operands, __VA_ARGS__}
+#define PINEDA_GLSL_ROW(name, operands, ...) \
+  { GLSLstd450##name, #name, operands, __VA_ARGS__ }
 
 inline constexpr uint32_t kFirstOperand = 5;
 

@@ -1,7 +1,7 @@
 // GLSL.std.450: hyperbolic functions and those that take floats apart.
-#include "compiler/spirv/glsl450.h"
-
 #include <limits>
+
+#include "compiler/spirv/glsl450.h"
 
 namespace pineda::spirv {
 namespace {
@@ -49,12 +49,10 @@ void atanh(Translator& t, const Instruction& inst) {
 }
 
 // 2^n for -126 <= n <= 127
-Value power_of_two(Translator& t, Value n) {
-  return t.b.bitcast(Type::kF32, t.b.shl(t.b.iadd(n, t.b.i32(127)), t.b.i32(23)));
-}
+Value power_of_two(Translator& t, Value n) { return t.b.bitcast(Type::kF32, t.b.shl(t.b.iadd(n, t.b.i32(127)), t.b.i32(23))); }
 
-// x * 2^n, rounded once: n is brought into the range of one factor by exact steps of 2^127, or of 2^-102 which leaves 24 bits above the
-// denormals, so that only the last multiplication can round.
+// x * 2^n, rounded once: n is brought into the range of one factor by exact steps of 2^127, or of 2^-102 which leaves 24 bits
+// above the denormals, so that only the last multiplication can round.
 Value scale(Translator& t, Value x, Value n) {
   for (int i = 0; i < 2; ++i) {
     const Value high = t.b.slt(t.b.i32(127), n), low = t.b.slt(n, t.b.i32(static_cast<uint32_t>(-126)));
@@ -81,7 +79,8 @@ Parts frexp_parts(Translator& t, const Instruction& inst) {
   Parts out;
   for (Value x : glsl_operand(t, inst, 0, true)) {
     const Value magnitude = t.b.fabs(x);
-    const Value is_ordinary = t.b.and_(t.b.flt(t.b.f32(0), magnitude), t.b.flt(magnitude, t.b.f32(std::numeric_limits<double>::infinity())));
+    const Value is_ordinary =
+        t.b.and_(t.b.flt(t.b.f32(0), magnitude), t.b.flt(magnitude, t.b.f32(std::numeric_limits<double>::infinity())));
     const Value is_small = t.b.flt(magnitude, t.b.f32(0x1p-126));
     const Value normal = t.b.fmul(x, t.b.select(is_small, t.b.f32(0x1p24), t.b.f32(1)));
     const Value biased = t.b.and_(t.b.lshr(t.b.bitcast(Type::kI32, normal), t.b.i32(23)), t.b.i32(0xff));
@@ -120,10 +119,16 @@ void to_pointer(Translator& t, const Instruction& inst) {
 }
 
 constexpr ExtRow kRows[] = {
-    PINEDA_GLSL_ROW(Sinh, 1, sinh), PINEDA_GLSL_ROW(Cosh, 1, cosh), PINEDA_GLSL_ROW(Tanh, 1, tanh),
-    PINEDA_GLSL_ROW(Asinh, 1, asinh), PINEDA_GLSL_ROW(Acosh, 1, acosh), PINEDA_GLSL_ROW(Atanh, 1, atanh),
-    PINEDA_GLSL_ROW(Ldexp, 2, ldexp), PINEDA_GLSL_ROW(Frexp, 2, to_pointer<frexp_parts>),
-    PINEDA_GLSL_ROW(FrexpStruct, 1, to_struct<frexp_parts>), PINEDA_GLSL_ROW(Modf, 2, to_pointer<modf_parts>),
+    PINEDA_GLSL_ROW(Sinh, 1, sinh),
+    PINEDA_GLSL_ROW(Cosh, 1, cosh),
+    PINEDA_GLSL_ROW(Tanh, 1, tanh),
+    PINEDA_GLSL_ROW(Asinh, 1, asinh),
+    PINEDA_GLSL_ROW(Acosh, 1, acosh),
+    PINEDA_GLSL_ROW(Atanh, 1, atanh),
+    PINEDA_GLSL_ROW(Ldexp, 2, ldexp),
+    PINEDA_GLSL_ROW(Frexp, 2, to_pointer<frexp_parts>),
+    PINEDA_GLSL_ROW(FrexpStruct, 1, to_struct<frexp_parts>),
+    PINEDA_GLSL_ROW(Modf, 2, to_pointer<modf_parts>),
     PINEDA_GLSL_ROW(ModfStruct, 1, to_struct<modf_parts>),
 };
 

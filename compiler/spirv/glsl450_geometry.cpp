@@ -8,7 +8,9 @@ using ir::Value;
 
 Value length_of(Translator& t, const Values& v) { return v.size() == 1 ? t.b.fabs(v[0]) : t.b.fsqrt(t.dot(v, v)); }
 
-Values vector(Translator& t, const Instruction& inst, uint32_t n, size_t size = 0) { return glsl_operand(t, inst, n, true, size); }
+Values vector(Translator& t, const Instruction& inst, uint32_t n, size_t size = 0) {
+  return glsl_operand(t, inst, n, true, size);
+}
 
 void length(Translator& t, const Instruction& inst) { t.define(inst, Values{length_of(t, vector(t, inst, 0))}); }
 
@@ -72,7 +74,8 @@ void refract(Translator& t, const Instruction& inst) {
 
 Values square_matrix(Translator& t, const Instruction& inst, uint32_t* n) {
   const Type& type = t.type_of(inst, kFirstOperand);
-  if (type.kind != TypeKind::kMatrix || t.m.type(type.element).count != type.count) inst.fail("the operand is not a square matrix");
+  if (type.kind != TypeKind::kMatrix || t.m.type(type.element).count != type.count)
+    inst.fail("the operand is not a square matrix");
   *n = type.count;
   return t.values(inst, kFirstOperand);
 }
@@ -127,9 +130,14 @@ void matrix_inverse(Translator& t, const Instruction& inst) {
 }
 
 constexpr ExtRow kRows[] = {
-    PINEDA_GLSL_ROW(Length, 1, length), PINEDA_GLSL_ROW(Distance, 2, distance), PINEDA_GLSL_ROW(Cross, 2, cross),
-    PINEDA_GLSL_ROW(Normalize, 1, normalize), PINEDA_GLSL_ROW(FaceForward, 3, face_forward), PINEDA_GLSL_ROW(Reflect, 2, reflect),
-    PINEDA_GLSL_ROW(Refract, 3, refract), PINEDA_GLSL_ROW(Determinant, 1, determinant),
+    PINEDA_GLSL_ROW(Length, 1, length),
+    PINEDA_GLSL_ROW(Distance, 2, distance),
+    PINEDA_GLSL_ROW(Cross, 2, cross),
+    PINEDA_GLSL_ROW(Normalize, 1, normalize),
+    PINEDA_GLSL_ROW(FaceForward, 3, face_forward),
+    PINEDA_GLSL_ROW(Reflect, 2, reflect),
+    PINEDA_GLSL_ROW(Refract, 3, refract),
+    PINEDA_GLSL_ROW(Determinant, 1, determinant),
     PINEDA_GLSL_ROW(MatrixInverse, 1, matrix_inverse),
 };
 

@@ -62,11 +62,16 @@ void unpack_half(Translator& t, const Instruction& inst) {
 }
 
 constexpr ExtRow kRows[] = {
-    PINEDA_GLSL_ROW(PackSnorm4x8, 1, pack_norm<4, true>), PINEDA_GLSL_ROW(PackUnorm4x8, 1, pack_norm<4, false>),
-    PINEDA_GLSL_ROW(PackSnorm2x16, 1, pack_norm<2, true>), PINEDA_GLSL_ROW(PackUnorm2x16, 1, pack_norm<2, false>),
-    PINEDA_GLSL_ROW(PackHalf2x16, 1, pack_half), PINEDA_GLSL_ROW(UnpackSnorm2x16, 1, unpack_norm<2, true>),
-    PINEDA_GLSL_ROW(UnpackUnorm2x16, 1, unpack_norm<2, false>), PINEDA_GLSL_ROW(UnpackHalf2x16, 1, unpack_half),
-    PINEDA_GLSL_ROW(UnpackSnorm4x8, 1, unpack_norm<4, true>), PINEDA_GLSL_ROW(UnpackUnorm4x8, 1, unpack_norm<4, false>),
+    PINEDA_GLSL_ROW(PackSnorm4x8, 1, pack_norm<4, true>),
+    PINEDA_GLSL_ROW(PackUnorm4x8, 1, pack_norm<4, false>),
+    PINEDA_GLSL_ROW(PackSnorm2x16, 1, pack_norm<2, true>),
+    PINEDA_GLSL_ROW(PackUnorm2x16, 1, pack_norm<2, false>),
+    PINEDA_GLSL_ROW(PackHalf2x16, 1, pack_half),
+    PINEDA_GLSL_ROW(UnpackSnorm2x16, 1, unpack_norm<2, true>),
+    PINEDA_GLSL_ROW(UnpackUnorm2x16, 1, unpack_norm<2, false>),
+    PINEDA_GLSL_ROW(UnpackHalf2x16, 1, unpack_half),
+    PINEDA_GLSL_ROW(UnpackSnorm4x8, 1, unpack_norm<4, true>),
+    PINEDA_GLSL_ROW(UnpackUnorm4x8, 1, unpack_norm<4, false>),
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 // Image instructions -> SampleRequest and ImageAccess, which the kernel's StageInterface answers.
+#include "compiler/spirv/image.h"
+
 #include <algorithm>
 #include <bit>
-
-#include "compiler/spirv/image.h"
 
 namespace pineda::spirv {
 namespace {
@@ -11,46 +11,86 @@ using ir::Value;
 
 VkFormat vulkan_format(spv::ImageFormat format) {
   switch (format) {
-    case spv::ImageFormatRgba32f: return VK_FORMAT_R32G32B32A32_SFLOAT;
-    case spv::ImageFormatRgba16f: return VK_FORMAT_R16G16B16A16_SFLOAT;
-    case spv::ImageFormatR32f: return VK_FORMAT_R32_SFLOAT;
-    case spv::ImageFormatRgba8: return VK_FORMAT_R8G8B8A8_UNORM;
-    case spv::ImageFormatRgba8Snorm: return VK_FORMAT_R8G8B8A8_SNORM;
-    case spv::ImageFormatRg32f: return VK_FORMAT_R32G32_SFLOAT;
-    case spv::ImageFormatRg16f: return VK_FORMAT_R16G16_SFLOAT;
-    case spv::ImageFormatR11fG11fB10f: return VK_FORMAT_B10G11R11_UFLOAT_PACK32;
-    case spv::ImageFormatR16f: return VK_FORMAT_R16_SFLOAT;
-    case spv::ImageFormatRgba16: return VK_FORMAT_R16G16B16A16_UNORM;
-    case spv::ImageFormatRgb10A2: return VK_FORMAT_A2B10G10R10_UNORM_PACK32;
-    case spv::ImageFormatRg16: return VK_FORMAT_R16G16_UNORM;
-    case spv::ImageFormatRg8: return VK_FORMAT_R8G8_UNORM;
-    case spv::ImageFormatR16: return VK_FORMAT_R16_UNORM;
-    case spv::ImageFormatR8: return VK_FORMAT_R8_UNORM;
-    case spv::ImageFormatRgba16Snorm: return VK_FORMAT_R16G16B16A16_SNORM;
-    case spv::ImageFormatRg16Snorm: return VK_FORMAT_R16G16_SNORM;
-    case spv::ImageFormatRg8Snorm: return VK_FORMAT_R8G8_SNORM;
-    case spv::ImageFormatR16Snorm: return VK_FORMAT_R16_SNORM;
-    case spv::ImageFormatR8Snorm: return VK_FORMAT_R8_SNORM;
-    case spv::ImageFormatRgba32i: return VK_FORMAT_R32G32B32A32_SINT;
-    case spv::ImageFormatRgba16i: return VK_FORMAT_R16G16B16A16_SINT;
-    case spv::ImageFormatRgba8i: return VK_FORMAT_R8G8B8A8_SINT;
-    case spv::ImageFormatR32i: return VK_FORMAT_R32_SINT;
-    case spv::ImageFormatRg32i: return VK_FORMAT_R32G32_SINT;
-    case spv::ImageFormatRg16i: return VK_FORMAT_R16G16_SINT;
-    case spv::ImageFormatRg8i: return VK_FORMAT_R8G8_SINT;
-    case spv::ImageFormatR16i: return VK_FORMAT_R16_SINT;
-    case spv::ImageFormatR8i: return VK_FORMAT_R8_SINT;
-    case spv::ImageFormatRgba32ui: return VK_FORMAT_R32G32B32A32_UINT;
-    case spv::ImageFormatRgba16ui: return VK_FORMAT_R16G16B16A16_UINT;
-    case spv::ImageFormatRgba8ui: return VK_FORMAT_R8G8B8A8_UINT;
-    case spv::ImageFormatR32ui: return VK_FORMAT_R32_UINT;
-    case spv::ImageFormatRgb10a2ui: return VK_FORMAT_A2B10G10R10_UINT_PACK32;
-    case spv::ImageFormatRg32ui: return VK_FORMAT_R32G32_UINT;
-    case spv::ImageFormatRg16ui: return VK_FORMAT_R16G16_UINT;
-    case spv::ImageFormatRg8ui: return VK_FORMAT_R8G8_UINT;
-    case spv::ImageFormatR16ui: return VK_FORMAT_R16_UINT;
-    case spv::ImageFormatR8ui: return VK_FORMAT_R8_UINT;
-    default: return VK_FORMAT_UNDEFINED;
+    case spv::ImageFormatRgba32f:
+      return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case spv::ImageFormatRgba16f:
+      return VK_FORMAT_R16G16B16A16_SFLOAT;
+    case spv::ImageFormatR32f:
+      return VK_FORMAT_R32_SFLOAT;
+    case spv::ImageFormatRgba8:
+      return VK_FORMAT_R8G8B8A8_UNORM;
+    case spv::ImageFormatRgba8Snorm:
+      return VK_FORMAT_R8G8B8A8_SNORM;
+    case spv::ImageFormatRg32f:
+      return VK_FORMAT_R32G32_SFLOAT;
+    case spv::ImageFormatRg16f:
+      return VK_FORMAT_R16G16_SFLOAT;
+    case spv::ImageFormatR11fG11fB10f:
+      return VK_FORMAT_B10G11R11_UFLOAT_PACK32;
+    case spv::ImageFormatR16f:
+      return VK_FORMAT_R16_SFLOAT;
+    case spv::ImageFormatRgba16:
+      return VK_FORMAT_R16G16B16A16_UNORM;
+    case spv::ImageFormatRgb10A2:
+      return VK_FORMAT_A2B10G10R10_UNORM_PACK32;
+    case spv::ImageFormatRg16:
+      return VK_FORMAT_R16G16_UNORM;
+    case spv::ImageFormatRg8:
+      return VK_FORMAT_R8G8_UNORM;
+    case spv::ImageFormatR16:
+      return VK_FORMAT_R16_UNORM;
+    case spv::ImageFormatR8:
+      return VK_FORMAT_R8_UNORM;
+    case spv::ImageFormatRgba16Snorm:
+      return VK_FORMAT_R16G16B16A16_SNORM;
+    case spv::ImageFormatRg16Snorm:
+      return VK_FORMAT_R16G16_SNORM;
+    case spv::ImageFormatRg8Snorm:
+      return VK_FORMAT_R8G8_SNORM;
+    case spv::ImageFormatR16Snorm:
+      return VK_FORMAT_R16_SNORM;
+    case spv::ImageFormatR8Snorm:
+      return VK_FORMAT_R8_SNORM;
+    case spv::ImageFormatRgba32i:
+      return VK_FORMAT_R32G32B32A32_SINT;
+    case spv::ImageFormatRgba16i:
+      return VK_FORMAT_R16G16B16A16_SINT;
+    case spv::ImageFormatRgba8i:
+      return VK_FORMAT_R8G8B8A8_SINT;
+    case spv::ImageFormatR32i:
+      return VK_FORMAT_R32_SINT;
+    case spv::ImageFormatRg32i:
+      return VK_FORMAT_R32G32_SINT;
+    case spv::ImageFormatRg16i:
+      return VK_FORMAT_R16G16_SINT;
+    case spv::ImageFormatRg8i:
+      return VK_FORMAT_R8G8_SINT;
+    case spv::ImageFormatR16i:
+      return VK_FORMAT_R16_SINT;
+    case spv::ImageFormatR8i:
+      return VK_FORMAT_R8_SINT;
+    case spv::ImageFormatRgba32ui:
+      return VK_FORMAT_R32G32B32A32_UINT;
+    case spv::ImageFormatRgba16ui:
+      return VK_FORMAT_R16G16B16A16_UINT;
+    case spv::ImageFormatRgba8ui:
+      return VK_FORMAT_R8G8B8A8_UINT;
+    case spv::ImageFormatR32ui:
+      return VK_FORMAT_R32_UINT;
+    case spv::ImageFormatRgb10a2ui:
+      return VK_FORMAT_A2B10G10R10_UINT_PACK32;
+    case spv::ImageFormatRg32ui:
+      return VK_FORMAT_R32G32_UINT;
+    case spv::ImageFormatRg16ui:
+      return VK_FORMAT_R16G16_UINT;
+    case spv::ImageFormatRg8ui:
+      return VK_FORMAT_R8G8_UINT;
+    case spv::ImageFormatR16ui:
+      return VK_FORMAT_R16_UINT;
+    case spv::ImageFormatR8ui:
+      return VK_FORMAT_R8_UINT;
+    default:
+      return VK_FORMAT_UNDEFINED;
   }
 }
 
@@ -58,10 +98,14 @@ VkFormat vulkan_format(spv::ImageFormat format) {
 
 VkImageViewType view_type(const ImageType& image) {
   switch (image.dim) {
-    case spv::Dim1D: return image.arrayed ? VK_IMAGE_VIEW_TYPE_1D_ARRAY : VK_IMAGE_VIEW_TYPE_1D;
-    case spv::Dim3D: return VK_IMAGE_VIEW_TYPE_3D;
-    case spv::DimCube: return image.arrayed ? VK_IMAGE_VIEW_TYPE_CUBE_ARRAY : VK_IMAGE_VIEW_TYPE_CUBE;
-    default: return image.arrayed ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    case spv::Dim1D:
+      return image.arrayed ? VK_IMAGE_VIEW_TYPE_1D_ARRAY : VK_IMAGE_VIEW_TYPE_1D;
+    case spv::Dim3D:
+      return VK_IMAGE_VIEW_TYPE_3D;
+    case spv::DimCube:
+      return image.arrayed ? VK_IMAGE_VIEW_TYPE_CUBE_ARRAY : VK_IMAGE_VIEW_TYPE_CUBE;
+    default:
+      return image.arrayed ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
   }
 }
 
@@ -124,7 +168,8 @@ Operands read_operands(Translator& t, const Instruction& inst, uint32_t word, ir
                                 spv::ImageOperandsSignExtendMask | spv::ImageOperandsZeroExtendMask |
                                 spv::ImageOperandsMakeTexelAvailableMask | spv::ImageOperandsMakeTexelVisibleMask;
   constexpr uint32_t kRead = uint32_t{spv::ImageOperandsBiasMask} | spv::ImageOperandsLodMask | spv::ImageOperandsGradMask |
-                             spv::ImageOperandsConstOffsetMask | spv::ImageOperandsOffsetMask | spv::ImageOperandsConstOffsetsMask;
+                             spv::ImageOperandsConstOffsetMask | spv::ImageOperandsOffsetMask |
+                             spv::ImageOperandsConstOffsetsMask;
   if (mask & ~(kIgnored | kRead)) inst.fail("image operands " + std::to_string(mask) + " are not supported");
   if (mask & spv::ImageOperandsBiasMask) out.bias = t.scalar(inst, word++, ir::Type::kF32);
   if (mask & spv::ImageOperandsLodMask) out.lod = t.scalar(inst, word++, lod_type);
@@ -203,8 +248,8 @@ void sample(Translator& t, const Instruction& inst) {
   t.define(inst, kCompare == Compare::kYes ? Values{texel[0]} : Values(texel.begin(), texel.end()));
 }
 
-// Component `pick` of the texels around the coordinate. With four offsets each result is the texel that offset i moves to the place of the
-// footprint's upper left texel, which is component 3 of a gather there (Vulkan, "Texel Gathering").
+// Component `pick` of the texels around the coordinate. With four offsets each result is the texel that offset i moves to the
+// place of the footprint's upper left texel, which is component 3 of a gather there (Vulkan, "Texel Gathering").
 void gather_with(Translator& t, const Instruction& inst, SampleRequest& r, uint32_t operands_word) {
   const Operands operands = read_operands(t, inst, operands_word, ir::Type::kF32);
   if (operands.lod || operands.bias || !operands.ddx.empty()) inst.fail("a gather has no LOD");

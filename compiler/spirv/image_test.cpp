@@ -22,7 +22,8 @@ Sampled sample(const std::string& declarations, const std::string& body) {
   };
   s.stage.buffers[90].words.resize(16);  // what FakeStage::image_store writes
   s.error = run(s.stage, kFragment,
-                glsl(kFragment, "layout(location = 0) in vec4 v; layout(location = 0) out vec4 r;\n" + declarations + "\nvoid main() {\n" + body + "\n}"),
+                glsl(kFragment, "layout(location = 0) in vec4 v; layout(location = 0) out vec4 r;\n" + declarations +
+                                    "\nvoid main() {\n" + body + "\n}"),
                 {}, &s.info);
   return s;
 }
@@ -56,8 +57,9 @@ TEST(SpirvImage, ImplicitBiasExplicitGradient) {
 }
 
 TEST(SpirvImage, ProjectionDividesEverything) {
-  const Sampled s = sample("layout(set = 0, binding = 0) uniform sampler2DShadow t; layout(set = 0, binding = 1) uniform sampler2D u;",
-                           "r = textureProj(u, vec3(v.x, v.y, v.w)); r.w = textureProj(t, vec4(v.x, v.y, 3.0, v.w));");
+  const Sampled s =
+      sample("layout(set = 0, binding = 0) uniform sampler2DShadow t; layout(set = 0, binding = 1) uniform sampler2D u;",
+             "r = textureProj(u, vec3(v.x, v.y, v.w)); r.w = textureProj(t, vec4(v.x, v.y, 3.0, v.w));");
   ASSERT_EQ(s.error, "");
   EXPECT_EQ(result(s, 6), (Four{1.5f, 0.5f, 0, 1.5f}));  // the shadow lookup's first component is u / q
   EXPECT_TRUE(s.stage.samples[1].depth_reference);
@@ -65,13 +67,16 @@ TEST(SpirvImage, ProjectionDividesEverything) {
 }
 
 TEST(SpirvImage, ViewTypesAndLayers) {
-  const Sampled s = sample(R"(layout(set = 0, binding = 0) uniform sampler1D a; layout(set = 0, binding = 1) uniform sampler1DArray b; layout(set = 0, binding = 2) uniform sampler2DArray c;
+  const Sampled s = sample(
+      R"(layout(set = 0, binding = 0) uniform sampler1D a; layout(set = 0, binding = 1) uniform sampler1DArray b; layout(set = 0, binding = 2) uniform sampler2DArray c;
     layout(set = 0, binding = 3) uniform sampler3D d; layout(set = 0, binding = 4) uniform samplerCube e; layout(set = 0, binding = 5) uniform samplerCubeArray f;
     layout(set = 0, binding = 6) uniform isampler2D g; layout(set = 0, binding = 7) uniform samplerCubeArrayShadow h;)",
-                           "r = texture(a, v.x) + texture(b, v.xy) + texture(c, v.xyz) + texture(d, v.xyz) + texture(e, v.xyz) + texture(f, v) + vec4(texture(g, v.xy)) + texture(h, v, 0.5);");
+      "r = texture(a, v.x) + texture(b, v.xy) + texture(c, v.xyz) + texture(d, v.xyz) + texture(e, v.xyz) + texture(f, v) + "
+      "vec4(texture(g, v.xy)) + texture(h, v, 0.5);");
   ASSERT_EQ(s.error, "");
-  const VkImageViewType types[] = {VK_IMAGE_VIEW_TYPE_1D, VK_IMAGE_VIEW_TYPE_1D_ARRAY, VK_IMAGE_VIEW_TYPE_2D_ARRAY, VK_IMAGE_VIEW_TYPE_3D,
-                                   VK_IMAGE_VIEW_TYPE_CUBE, VK_IMAGE_VIEW_TYPE_CUBE_ARRAY, VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_CUBE_ARRAY};
+  const VkImageViewType types[] = {VK_IMAGE_VIEW_TYPE_1D, VK_IMAGE_VIEW_TYPE_1D_ARRAY,  VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                   VK_IMAGE_VIEW_TYPE_3D, VK_IMAGE_VIEW_TYPE_CUBE,      VK_IMAGE_VIEW_TYPE_CUBE_ARRAY,
+                                   VK_IMAGE_VIEW_TYPE_2D, VK_IMAGE_VIEW_TYPE_CUBE_ARRAY};
   const int coords[] = {1, 2, 3, 3, 3, 4, 2, 4};
   ASSERT_EQ(s.stage.samples.size(), 8u);
   for (int i = 0; i < 8; ++i) {
@@ -85,8 +90,10 @@ TEST(SpirvImage, ViewTypesAndLayers) {
 }
 
 TEST(SpirvImage, SeparateSamplersThroughFunctionsAndArrays) {
-  const Sampled s = sample(R"(layout(set = 0, binding = 0) uniform texture2D t[3]; layout(set = 0, binding = 1) uniform sampler s; layout(set = 0, binding = 4) uniform sampler q;
-    vec4 get(texture2D x, sampler y) { return texture(sampler2D(x, y), v.xy); })", "r = get(t[2], s) + get(t[0], q) + get(t[2], s);");
+  const Sampled s = sample(
+      R"(layout(set = 0, binding = 0) uniform texture2D t[3]; layout(set = 0, binding = 1) uniform sampler s; layout(set = 0, binding = 4) uniform sampler q;
+    vec4 get(texture2D x, sampler y) { return texture(sampler2D(x, y), v.xy); })",
+      "r = get(t[2], s) + get(t[0], q) + get(t[2], s);");
   ASSERT_EQ(s.error, "");
   ASSERT_EQ(s.info.images.size(), 2u);
   EXPECT_EQ(s.info.images[0].image, (ImageRef{0, 0, 2}));
@@ -97,8 +104,9 @@ TEST(SpirvImage, SeparateSamplersThroughFunctionsAndArrays) {
 }
 
 TEST(SpirvImage, FetchGatherQuery) {
-  const Sampled s = sample(R"(layout(set = 0, binding = 0) uniform sampler2DArray t; layout(set = 0, binding = 1) uniform samplerCubeArray c; layout(set = 0, binding = 2) uniform sampler2D u;)",
-                           R"(r = texelFetch(t, ivec3(v.xyw), 3); r += textureGather(t, v.xyz, 2) * 10.0; ivec3 size = textureSize(t, 1); r.x += float(size.x * 10000 + size.z * 1000);
+  const Sampled s = sample(
+      R"(layout(set = 0, binding = 0) uniform sampler2DArray t; layout(set = 0, binding = 1) uniform samplerCubeArray c; layout(set = 0, binding = 2) uniform sampler2D u;)",
+      R"(r = texelFetch(t, ivec3(v.xyw), 3); r += textureGather(t, v.xyz, 2) * 10.0; ivec3 size = textureSize(t, 1); r.x += float(size.x * 10000 + size.z * 1000);
                               r.y += float(textureSize(c, 0).z); r.z += float(textureQueryLevels(u)); r.w += textureQueryLod(u, v.xy).y;)");
   ASSERT_EQ(s.error, "");
   EXPECT_EQ(s.stage.samples[0].lod_mode, LodMode::kFetch);
@@ -108,16 +116,21 @@ TEST(SpirvImage, FetchGatherQuery) {
 }
 
 TEST(SpirvImage, GatherWithFourOffsets) {
-  const Sampled s = sample("layout(set = 0, binding = 0) uniform sampler2D t; const ivec2 o[4] = ivec2[](ivec2(-1, 0), ivec2(1, 2), ivec2(3, 4), ivec2(5, -6));",
-                           "r = textureGatherOffsets(t, v.xy, o, 1);");
+  const Sampled s = sample(
+      "layout(set = 0, binding = 0) uniform sampler2D t; const ivec2 o[4] = ivec2[](ivec2(-1, 0), ivec2(1, 2), ivec2(3, 4), "
+      "ivec2(5, -6));",
+      "r = textureGatherOffsets(t, v.xy, o, 1);");
   ASSERT_EQ(s.error, "");
   ASSERT_EQ(s.stage.samples.size(), 4u);
   EXPECT_EQ(s.stage.samples[3].offset, (std::array<int32_t, 3>{5, -6, 0}));
 }
 
 TEST(SpirvImage, StorageImages) {
-  const Sampled s = sample("layout(set = 0, binding = 0, rgba8) uniform image2D a; layout(set = 0, binding = 1, r32i) uniform iimage3D b; layout(set = 0, binding = 2) writeonly uniform image2DArray c;",
-                           "ivec3 p = ivec3(v.xyw); r = imageLoad(a, p.xy) + vec4(imageLoad(b, p)); imageStore(c, p, r); if (p.x == 3) discard; imageStore(a, p.xy, vec4(7));");
+  const Sampled s = sample(
+      "layout(set = 0, binding = 0, rgba8) uniform image2D a; layout(set = 0, binding = 1, r32i) uniform iimage3D b; layout(set "
+      "= 0, binding = 2) writeonly uniform image2DArray c;",
+      "ivec3 p = ivec3(v.xyw); r = imageLoad(a, p.xy) + vec4(imageLoad(b, p)); imageStore(c, p, r); if (p.x == 3) discard; "
+      "imageStore(a, p.xy, vec4(7));");
   ASSERT_EQ(s.error, "");
   EXPECT_EQ(s.stage.loads[0].format, VK_FORMAT_R8G8B8A8_UNORM);
   EXPECT_EQ(s.stage.loads[1].format, VK_FORMAT_R32_SINT);
@@ -134,13 +147,17 @@ TEST(SpirvImage, StorageImages) {
 TEST(SpirvImage, OutsideFragmentShadersTheBaseLevelIsSampled) {
   FakeStage stage;
   stage.buffers[0].words.resize(16);
-  const std::string error = run(stage, VK_SHADER_STAGE_COMPUTE_BIT, compute_words("d[lane] = texture(t, vec2(lane)).z;", "float", "layout(set = 0, binding = 1) uniform sampler2D t;"));
+  const std::string error =
+      run(stage, VK_SHADER_STAGE_COMPUTE_BIT,
+          compute_words("d[lane] = texture(t, vec2(lane)).z;", "float", "layout(set = 0, binding = 1) uniform sampler2D t;"));
   ASSERT_EQ(error, "");
   EXPECT_EQ(stage.samples[0].lod_mode, LodMode::kExplicit);
 }
 
 TEST(SpirvImage, DynamicIndicesAreRefused) {
-  const Words words = glsl(kFragment, "layout(location = 0) flat in int i; layout(location = 0) out vec4 r; layout(set = 0, binding = 0) uniform sampler2D t[3]; void main() { r = texture(t[i], vec2(0)); }");
+  const Words words = glsl(kFragment,
+                           "layout(location = 0) flat in int i; layout(location = 0) out vec4 r; layout(set = 0, binding = 0) "
+                           "uniform sampler2D t[3]; void main() { r = texture(t[i], vec2(0)); }");
   FakeStage stage;
   const std::string error = run(stage, kFragment, words);
   EXPECT_TRUE(error.find("constant indices") != std::string::npos || error.find("DynamicIndexing") != std::string::npos) << error;

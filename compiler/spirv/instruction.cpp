@@ -4,8 +4,8 @@ namespace pineda::spirv {
 namespace {
 
 constexpr uint32_t kHeaderWords = 5;
-constexpr uint32_t kMaxWords = 16u << 20;   // 64 MiB
-constexpr uint32_t kMaxBound = 0x3fffff;    // SPIR-V 2.17, universal limits
+constexpr uint32_t kMaxWords = 16u << 20;  // 64 MiB
+constexpr uint32_t kMaxBound = 0x3fffff;   // SPIR-V 2.17, universal limits
 
 }  // namespace
 

@@ -1,7 +1,7 @@
 // One SPIR-V instruction with bounds-checked operands, and the way errors travel inside this folder.
 //
-// Faults are exceptions: a translator makes thousands of checks at every depth of recursion, and each must end the whole translation.
-// They never leave compiler/spirv; parse() and translate() turn them into CompileError.
+// Faults are exceptions: a translator makes thousands of checks at every depth of recursion, and each must end the whole
+// translation. They never leave compiler/spirv; parse() and translate() turn them into CompileError.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,9 @@ class Instruction {
   uint32_t word(uint32_t i) const;  // i = 0: opcode word; fails past the end
   // As one of SPIR-V's enumerations, which C++ gives values up to 0x7fffffff: larger ones become that.
   template <typename Enum>
-  Enum word_as(uint32_t i) const { return static_cast<Enum>(std::min(word(i), 0x7fffffffu)); }
+  Enum word_as(uint32_t i) const {
+    return static_cast<Enum>(std::min(word(i), 0x7fffffffu));
+  }
   uint32_t word_or(uint32_t i, uint32_t fallback) const { return i < size() ? words_[i] : fallback; }
   std::span<const uint32_t> from(uint32_t i) const { return i < size() ? words_.subspan(i) : std::span<const uint32_t>(); }
   // The literal string that begins at word i; *next (if given) becomes the word behind it.

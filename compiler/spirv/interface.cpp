@@ -1,5 +1,5 @@
-// Input and Output variables, flattened to InterfaceScalars (Vulkan's "Location Assignment" and "Component Assignment"), and the layout of
-// Workgroup memory (ours to choose: 4 bytes a scalar, in order of declaration).
+// Input and Output variables, flattened to InterfaceScalars (Vulkan's "Location Assignment" and "Component Assignment"), and the
+// layout of Workgroup memory (ours to choose: 4 bytes a scalar, in order of declaration).
 #include <algorithm>
 #include <tuple>
 
@@ -88,8 +88,12 @@ class Flattener {
     switch (t.kind) {
       case TypeKind::kBool:
       case TypeKind::kInt:
-      case TypeKind::kFloat: vector(t.scalar, 1, place); break;
-      case TypeKind::kVector: vector(m_.type(t.element).scalar, t.count, place); break;
+      case TypeKind::kFloat:
+        vector(t.scalar, 1, place);
+        break;
+      case TypeKind::kVector:
+        vector(m_.type(t.element).scalar, t.count, place);
+        break;
       case TypeKind::kMatrix:
       case TypeKind::kArray:
         for (uint32_t i = 0; i < t.count; ++i) walk(t.element, place);
@@ -103,21 +107,27 @@ class Flattener {
         }
         break;
       }
-      default: refuse("its type cannot be part of a shader interface");
+      default:
+        refuse("its type cannot be part of a shader interface");
     }
   }
 
   void vector(ir::Type scalar, uint32_t count, Place& place) {
     for (uint32_t i = 0; i < count; ++i) {
-      if (place.built_in) built_in(scalar, *place.built_in, place.component + i);
-      else located(scalar, place, place.component + i);
+      if (place.built_in)
+        built_in(scalar, *place.built_in, place.component + i);
+      else
+        located(scalar, place, place.component + i);
     }
-    if (place.built_in) place.component += count;
-    else ++*place.location;
+    if (place.built_in)
+      place.component += count;
+    else
+      ++*place.location;
   }
 
   void built_in(ir::Type scalar, uint32_t number, uint32_t component) {
-    const auto* row = std::ranges::find(kBuiltIns, number, [](const BuiltInRow& r) { return static_cast<uint32_t>(r.spv_built_in); });
+    const auto* row =
+        std::ranges::find(kBuiltIns, number, [](const BuiltInRow& r) { return static_cast<uint32_t>(r.spv_built_in); });
     if (row == std::end(kBuiltIns)) {
       entries_.push_back({.unknown_built_in = number});
       return;
@@ -131,11 +141,12 @@ class Flattener {
     if (*place.location >= 1024) refuse("its Location is out of range");
     if (component > 3) refuse("goes past component 3 of its Location");
     if (scalar == ir::Type::kB1) refuse("a bool cannot have a Location");
-    InterfaceScalar s{.location = *place.location, .component = component, .index = place.flags.index.value_or(0), .type = scalar};
+    InterfaceScalar s{
+        .location = *place.location, .component = component, .index = place.flags.index.value_or(0), .type = scalar};
     const bool integer = scalar != ir::Type::kF32;  // integers are never interpolated
-    s.interpolation = place.flags.flat || integer      ? Interpolation::kFlat
-                      : place.flags.no_perspective     ? Interpolation::kNoPerspective
-                                                       : Interpolation::kPerspective;
+    s.interpolation = place.flags.flat || integer  ? Interpolation::kFlat
+                      : place.flags.no_perspective ? Interpolation::kNoPerspective
+                                                   : Interpolation::kPerspective;
     s.at = place.flags.sample     ? InterpolationAt::kSample
            : place.flags.centroid ? InterpolationAt::kCentroid
                                   : InterpolationAt::kCenter;
@@ -154,8 +165,8 @@ bool before(const InterfaceScalar& a, const InterfaceScalar& b) {
   return key(a) < key(b);
 }
 
-// Outputs: a located scalar counts when it is declared (Vulkan leaves its value undefined when it is not written; we give zero), a built-in
-// only when it is written, because compilers declare all of gl_PerVertex.
+// Outputs: a located scalar counts when it is declared (Vulkan leaves its value undefined when it is not written; we give zero),
+// a built-in only when it is written, because compilers declare all of gl_PerVertex.
 void list_entries(Module& m, Variable& v) {
   const std::vector<InterfaceEntry>& entries = m.interface_entries[v.id] = Flattener(m, v).run();
   const bool is_input = v.storage == spv::StorageClassInput;

@@ -1,5 +1,5 @@
-// Comparisons, bool arithmetic, select. The IR compares floats with ordered ==, < and <= and with unordered !=; the other relations are their
-// negations or swaps: "unordered a < b" is not (b <= a), and so on.
+// Comparisons, bool arithmetic, select. The IR compares floats with ordered ==, < and <= and with unordered !=; the other
+// relations are their negations or swaps: "unordered a < b" is not (b <= a), and so on.
 #include <limits>
 
 #include "compiler/spirv/opcodes.h"
@@ -14,9 +14,12 @@ enum class Operands : uint8_t { kFloat, kInt, kBool };
 
 template <Operands kOperands>
 Values operand(Translator& t, const Instruction& inst, uint32_t word) {
-  if constexpr (kOperands == Operands::kFloat) return t.floats(inst, word);
-  else if constexpr (kOperands == Operands::kInt) return t.integers(inst, word);
-  else return t.bools(inst, word);
+  if constexpr (kOperands == Operands::kFloat)
+    return t.floats(inst, word);
+  else if constexpr (kOperands == Operands::kInt)
+    return t.integers(inst, word);
+  else
+    return t.bools(inst, word);
 }
 
 template <Operands kOperands, Relation kRelation>
@@ -103,22 +106,40 @@ constexpr auto kI = Operands::kInt;
 constexpr auto kB = Operands::kBool;
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(IEqual, 5, relate<kI, int_eq>), PINEDA_SPIRV_ROW(INotEqual, 5, relate<kI, int_ne>),
-    PINEDA_SPIRV_ROW(ULessThan, 5, relate<kI, u_lt>), PINEDA_SPIRV_ROW(UGreaterThan, 5, relate<kI, u_gt>),
-    PINEDA_SPIRV_ROW(ULessThanEqual, 5, relate<kI, u_le>), PINEDA_SPIRV_ROW(UGreaterThanEqual, 5, relate<kI, u_ge>),
-    PINEDA_SPIRV_ROW(SLessThan, 5, relate<kI, s_lt>), PINEDA_SPIRV_ROW(SGreaterThan, 5, relate<kI, s_gt>),
-    PINEDA_SPIRV_ROW(SLessThanEqual, 5, relate<kI, s_le>), PINEDA_SPIRV_ROW(SGreaterThanEqual, 5, relate<kI, s_ge>),
-    PINEDA_SPIRV_ROW(FOrdEqual, 5, relate<kF, ord_eq>), PINEDA_SPIRV_ROW(FUnordEqual, 5, relate<kF, unord_eq>),
-    PINEDA_SPIRV_ROW(FOrdNotEqual, 5, relate<kF, ord_ne>), PINEDA_SPIRV_ROW(FUnordNotEqual, 5, relate<kF, unord_ne>),
-    PINEDA_SPIRV_ROW(FOrdLessThan, 5, relate<kF, ord_lt>), PINEDA_SPIRV_ROW(FUnordLessThan, 5, relate<kF, unord_lt>),
-    PINEDA_SPIRV_ROW(FOrdGreaterThan, 5, relate<kF, ord_gt>), PINEDA_SPIRV_ROW(FUnordGreaterThan, 5, relate<kF, unord_gt>),
-    PINEDA_SPIRV_ROW(FOrdLessThanEqual, 5, relate<kF, ord_le>), PINEDA_SPIRV_ROW(FUnordLessThanEqual, 5, relate<kF, unord_le>),
-    PINEDA_SPIRV_ROW(FOrdGreaterThanEqual, 5, relate<kF, ord_ge>), PINEDA_SPIRV_ROW(FUnordGreaterThanEqual, 5, relate<kF, unord_ge>),
-    PINEDA_SPIRV_ROW(Ordered, 5, relate<kF, ordered>), PINEDA_SPIRV_ROW(Unordered, 5, relate<kF, unordered>),
-    PINEDA_SPIRV_ROW(LogicalAnd, 5, relate<kB, logical_and>), PINEDA_SPIRV_ROW(LogicalOr, 5, relate<kB, logical_or>),
-    PINEDA_SPIRV_ROW(LogicalEqual, 5, relate<kB, logical_eq>), PINEDA_SPIRV_ROW(LogicalNotEqual, 5, relate<kB, logical_ne>),
-    PINEDA_SPIRV_ROW(LogicalNot, 4, logical_not), PINEDA_SPIRV_ROW(IsNan, 4, is_nan), PINEDA_SPIRV_ROW(IsInf, 4, is_inf),
-    PINEDA_SPIRV_ROW(Any, 4, reduce<false>), PINEDA_SPIRV_ROW(All, 4, reduce<true>), PINEDA_SPIRV_ROW(Select, 6, select),
+    PINEDA_SPIRV_ROW(IEqual, 5, relate<kI, int_eq>),
+    PINEDA_SPIRV_ROW(INotEqual, 5, relate<kI, int_ne>),
+    PINEDA_SPIRV_ROW(ULessThan, 5, relate<kI, u_lt>),
+    PINEDA_SPIRV_ROW(UGreaterThan, 5, relate<kI, u_gt>),
+    PINEDA_SPIRV_ROW(ULessThanEqual, 5, relate<kI, u_le>),
+    PINEDA_SPIRV_ROW(UGreaterThanEqual, 5, relate<kI, u_ge>),
+    PINEDA_SPIRV_ROW(SLessThan, 5, relate<kI, s_lt>),
+    PINEDA_SPIRV_ROW(SGreaterThan, 5, relate<kI, s_gt>),
+    PINEDA_SPIRV_ROW(SLessThanEqual, 5, relate<kI, s_le>),
+    PINEDA_SPIRV_ROW(SGreaterThanEqual, 5, relate<kI, s_ge>),
+    PINEDA_SPIRV_ROW(FOrdEqual, 5, relate<kF, ord_eq>),
+    PINEDA_SPIRV_ROW(FUnordEqual, 5, relate<kF, unord_eq>),
+    PINEDA_SPIRV_ROW(FOrdNotEqual, 5, relate<kF, ord_ne>),
+    PINEDA_SPIRV_ROW(FUnordNotEqual, 5, relate<kF, unord_ne>),
+    PINEDA_SPIRV_ROW(FOrdLessThan, 5, relate<kF, ord_lt>),
+    PINEDA_SPIRV_ROW(FUnordLessThan, 5, relate<kF, unord_lt>),
+    PINEDA_SPIRV_ROW(FOrdGreaterThan, 5, relate<kF, ord_gt>),
+    PINEDA_SPIRV_ROW(FUnordGreaterThan, 5, relate<kF, unord_gt>),
+    PINEDA_SPIRV_ROW(FOrdLessThanEqual, 5, relate<kF, ord_le>),
+    PINEDA_SPIRV_ROW(FUnordLessThanEqual, 5, relate<kF, unord_le>),
+    PINEDA_SPIRV_ROW(FOrdGreaterThanEqual, 5, relate<kF, ord_ge>),
+    PINEDA_SPIRV_ROW(FUnordGreaterThanEqual, 5, relate<kF, unord_ge>),
+    PINEDA_SPIRV_ROW(Ordered, 5, relate<kF, ordered>),
+    PINEDA_SPIRV_ROW(Unordered, 5, relate<kF, unordered>),
+    PINEDA_SPIRV_ROW(LogicalAnd, 5, relate<kB, logical_and>),
+    PINEDA_SPIRV_ROW(LogicalOr, 5, relate<kB, logical_or>),
+    PINEDA_SPIRV_ROW(LogicalEqual, 5, relate<kB, logical_eq>),
+    PINEDA_SPIRV_ROW(LogicalNotEqual, 5, relate<kB, logical_ne>),
+    PINEDA_SPIRV_ROW(LogicalNot, 4, logical_not),
+    PINEDA_SPIRV_ROW(IsNan, 4, is_nan),
+    PINEDA_SPIRV_ROW(IsInf, 4, is_inf),
+    PINEDA_SPIRV_ROW(Any, 4, reduce<false>),
+    PINEDA_SPIRV_ROW(All, 4, reduce<true>),
+    PINEDA_SPIRV_ROW(Select, 6, select),
 };
 
 }  // namespace

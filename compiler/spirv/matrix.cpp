@@ -1,5 +1,5 @@
-// Linear algebra on flattened matrices: component r of column c is scalar c * rows + r. Sums run left to right, so that fuse_fma sees
-// one fixed shape everywhere.
+// Linear algebra on flattened matrices: component r of column c is scalar c * rows + r. Sums run left to right, so that fuse_fma
+// sees one fixed shape everywhere.
 #include "compiler/spirv/opcodes.h"
 
 namespace pineda::spirv {
@@ -26,7 +26,8 @@ Matrix matrix(Translator& t, const Instruction& inst, uint32_t word) {
 
 Values vector(Translator& t, const Instruction& inst, uint32_t word, size_t size) {
   Values v = t.floats(inst, word);
-  if (v.size() != size) inst.fail("%" + std::to_string(inst.word(word)) + " does not have " + std::to_string(size) + " components");
+  if (v.size() != size)
+    inst.fail("%" + std::to_string(inst.word(word)) + " does not have " + std::to_string(size) + " components");
   return v;
 }
 
@@ -92,10 +93,14 @@ void transpose(Translator& t, const Instruction& inst) {
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(Dot, 5, dot), PINEDA_SPIRV_ROW(VectorTimesScalar, 5, times_scalar),
-    PINEDA_SPIRV_ROW(MatrixTimesScalar, 5, times_scalar), PINEDA_SPIRV_ROW(MatrixTimesVector, 5, matrix_times_vector),
-    PINEDA_SPIRV_ROW(VectorTimesMatrix, 5, vector_times_matrix), PINEDA_SPIRV_ROW(MatrixTimesMatrix, 5, matrix_times_matrix),
-    PINEDA_SPIRV_ROW(OuterProduct, 5, outer_product), PINEDA_SPIRV_ROW(Transpose, 4, transpose),
+    PINEDA_SPIRV_ROW(Dot, 5, dot),
+    PINEDA_SPIRV_ROW(VectorTimesScalar, 5, times_scalar),
+    PINEDA_SPIRV_ROW(MatrixTimesScalar, 5, times_scalar),
+    PINEDA_SPIRV_ROW(MatrixTimesVector, 5, matrix_times_vector),
+    PINEDA_SPIRV_ROW(VectorTimesMatrix, 5, vector_times_matrix),
+    PINEDA_SPIRV_ROW(MatrixTimesMatrix, 5, matrix_times_matrix),
+    PINEDA_SPIRV_ROW(OuterProduct, 5, outer_product),
+    PINEDA_SPIRV_ROW(Transpose, 4, transpose),
 };
 
 }  // namespace

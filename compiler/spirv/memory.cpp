@@ -24,7 +24,9 @@ struct LayoutWalk {
       case TypeKind::kVector:
         for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + uint64_t{i} * layout.component_stride_bytes, layout);
         break;
-      case TypeKind::kMatrix: matrix(type, at, layout); break;
+      case TypeKind::kMatrix:
+        matrix(type, at, layout);
+        break;
       case TypeKind::kArray: {
         const uint64_t stride = array_stride_bytes(m, inst, type);
         for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + i * stride, layout);
@@ -41,7 +43,8 @@ struct LayoutWalk {
           walk(type.members[i], at + member_offset_bytes(m, inst, type, i), inner);
         }
         break;
-      default: inst.fail("a value of this type cannot be in a buffer");
+      default:
+        inst.fail("a value of this type cannot be in a buffer");
     }
   }
 
@@ -104,7 +107,8 @@ ir::Address Translator::address(const Instruction& inst, const Pointer& p, uint3
   return {.base = ref.base, .offset = offset, .limit = ref.size_bytes};
 }
 
-// Memory that nothing writes during the kernel may be read earlier: uniform memory always, storage buffers when this shader writes none.
+// Memory that nothing writes during the kernel may be read earlier: uniform memory always, storage buffers when this shader
+// writes none.
 uint8_t Translator::load_flags(const Pointer& from) const {
   return !is_writable(from) || !m.info.writes_memory ? ir::kInvariant : 0;
 }
@@ -116,30 +120,24 @@ Values Translator::load(const Instruction& inst, const Pointer& from) {
     case spv::StorageClassFunction:
     case spv::StorageClassPrivate:
     case spv::StorageClassInput:
-    case spv::StorageClassOutput: return load_flat(inst, from);
+    case spv::StorageClassOutput:
+      return load_flat(inst, from);
     case spv::StorageClassWorkgroup:
     case spv::StorageClassUniform:
     case spv::StorageClassStorageBuffer:
-    case spv::StorageClassPushConstant: return load_memory(inst, from);
-    default: inst.fail("this storage class cannot be read here");
+    case spv::StorageClassPushConstant:
+      return load_memory(inst, from);
+    default:
+      inst.fail("this storage class cannot be read here");
   }
 }
 
 Values Translator::load_flat(const Instruction& inst, const Pointer& from) {
-  const Storage& s = storage(inst, from);
+  const FlatMemory& memory = flat(inst, from);
   const std::vector<ir::Type> types = m.flat_scalars(from.pointee);
-  if (from.offset + types.size() > s.types.size()) inst.fail("the pointer is outside its variable");
-  const bool has_arrays = s.vars.empty() && s.constants.empty();
-  if (from.index && !has_arrays) inst.fail("the pointer was computed before its base");
   Values out;
   out.reserve(types.size());
-  for (uint32_t i = 0; i < types.size(); ++i) {
-    const uint32_t at = from.offset + i;
-    if (!from.index && s.types[at] != types[i]) inst.fail("the pointer does not fit its variable");
-    if (!s.constants.empty()) out.push_back(s.constants[at]);
-    else if (!s.vars.empty()) out.push_back(b.get(s.vars[at]));
-    else out.push_back(b.local_load(array_of(inst, s, types[i]), from.index ? b.iadd(from.index, b.i32(at)) : b.i32(at)));
-  }
+  for (uint32_t i = 0; i < types.size(); ++i) out.push_back(memory.load(b, inst, from.offset + i, from.index, types[i]));
   return out;
 }
 
@@ -155,7 +153,8 @@ Values Translator::load_memory(const Instruction& inst, const Pointer& from) {
     return out;
   }
   const uint8_t flags = load_flags(from);
-  for_each_in_buffer(m, inst, from, [&](ir::Type type, uint32_t at) { out.push_back(b.load(type, address(inst, from, at), flags)); });
+  for_each_in_buffer(m, inst, from,
+                     [&](ir::Type type, uint32_t at) { out.push_back(b.load(type, address(inst, from, at), flags)); });
   return out;
 }
 
@@ -170,30 +169,22 @@ void Translator::store(const Instruction& inst, const Pointer& to, const Values&
   switch (to.storage) {
     case spv::StorageClassFunction:
     case spv::StorageClassPrivate:
-    case spv::StorageClassOutput: return store_flat(inst, to, values);
-    case spv::StorageClassWorkgroup: return store_memory(inst, to, values);
+    case spv::StorageClassOutput:
+      return store_flat(inst, to, values);
+    case spv::StorageClassWorkgroup:
+      return store_memory(inst, to, values);
     case spv::StorageClassUniform:
     case spv::StorageClassStorageBuffer:
       if (!is_writable(to)) inst.fail("uniform buffers cannot be written");
       return effect([&] { store_memory(inst, to, values); });
-    default: inst.fail("this storage class cannot be written");
+    default:
+      inst.fail("this storage class cannot be written");
   }
 }
 
 void Translator::store_flat(const Instruction& inst, const Pointer& to, const Values& values) {
-  const Storage& s = storage(inst, to);
-  if (to.offset + values.size() > s.types.size()) inst.fail("the pointer is outside its variable");
-  if (to.index && !s.vars.empty()) inst.fail("the pointer was computed before its base");
-  for (uint32_t i = 0; i < values.size(); ++i) {
-    const uint32_t at = to.offset + i;
-    if (!to.index && s.types[at] != b.type(values[i])) inst.fail("the pointer does not fit its variable");
-    if (!s.vars.empty()) {
-      b.set(s.vars[at], values[i]);
-      continue;
-    }
-    const ir::Value array = array_of(inst, s, b.type(values[i]));
-    b.local_store(array, to.index ? b.iadd(to.index, b.i32(at)) : b.i32(at), values[i]);
-  }
+  const FlatMemory& memory = flat(inst, to);
+  for (uint32_t i = 0; i < values.size(); ++i) memory.store(b, inst, to.offset + i, to.index, values[i]);
 }
 
 void Translator::store_memory(const Instruction& inst, const Pointer& to, const Values& values) {
@@ -217,10 +208,14 @@ Opaque load_opaque(Translator& t, const Instruction& inst, const Pointer& p, con
   if (!d.set || !d.binding) inst.fail("%" + std::to_string(p.variable) + " has no DescriptorSet or Binding");
   const ImageRef ref{.set = *d.set, .binding = *d.binding, .array_index = p.descriptor};
   switch (type.kind) {
-    case TypeKind::kImage: return {.image_type = type.id, .image = ref};
-    case TypeKind::kSampledImage: return {.image_type = type.element, .has_sampler = true, .image = ref, .sampler = ref};
-    case TypeKind::kSampler: return {.has_sampler = true, .sampler = ref};
-    default: inst.fail("this type cannot be loaded");
+    case TypeKind::kImage:
+      return {.image_type = type.id, .image = ref};
+    case TypeKind::kSampledImage:
+      return {.image_type = type.element, .has_sampler = true, .image = ref, .sampler = ref};
+    case TypeKind::kSampler:
+      return {.has_sampler = true, .sampler = ref};
+    default:
+      inst.fail("this type cannot be loaded");
   }
 }
 
@@ -228,13 +223,17 @@ void op_load(Translator& t, const Instruction& inst) {
   const Pointer p = t.pointer(inst, 3);
   if (p.pointee != inst.word(1)) inst.fail("the result type is not what is pointed to");
   const Type& type = t.result_type(inst);
-  if (p.storage == spv::StorageClassUniformConstant) t.define(inst, load_opaque(t, inst, p, type));
-  else t.define(inst, t.load(inst, p));
+  if (p.storage == spv::StorageClassUniformConstant)
+    t.define(inst, load_opaque(t, inst, p, type));
+  else
+    t.define(inst, t.load(inst, p));
 }
 
 void op_store(Translator& t, const Instruction& inst) { t.store(inst, t.pointer(inst, 1), t.values(inst, 2)); }
 
-void op_copy_memory(Translator& t, const Instruction& inst) { t.store(inst, t.pointer(inst, 1), t.load(inst, t.pointer(inst, 2))); }
+void op_copy_memory(Translator& t, const Instruction& inst) {
+  t.store(inst, t.pointer(inst, 1), t.load(inst, t.pointer(inst, 2)));
+}
 
 void op_array_length(Translator& t, const Instruction& inst) {
   const Pointer p = t.pointer(inst, 3);

@@ -114,31 +114,47 @@ class Parser {
   void annotation(const Instruction& inst) {
     switch (inst.op()) {
       case spv::OpCapability:
-      case spv::OpMemoryModel: check_support(inst); break;
-      case spv::OpExtInstImport: import(inst); break;
-      case spv::OpEntryPoint: entry_point(inst); break;
+      case spv::OpMemoryModel:
+        check_support(inst);
+        break;
+      case spv::OpExtInstImport:
+        import(inst);
+        break;
+      case spv::OpEntryPoint:
+        entry_point(inst);
+        break;
       case spv::OpDecorate:
       case spv::OpDecorateId:
       case spv::OpMemberDecorate:
       case spv::OpGroupDecorate:
-      case spv::OpGroupMemberDecorate: decorate(m_, inst); break;
-      default: break;
+      case spv::OpGroupMemberDecorate:
+        decorate(m_, inst);
+        break;
+      default:
+        break;
     }
   }
 
   void import(const Instruction& inst) {
     const std::string name = inst.string(2);
-    if (name == "GLSL.std.450") m_.glsl_std_450 = inst.word(1);
-    else if (name.starts_with("NonSemantic.")) m_.ignored_imports.push_back(inst.word(1));
-    else inst.fail("extended instruction set \"" + name + "\" is not supported");
+    if (name == "GLSL.std.450")
+      m_.glsl_std_450 = inst.word(1);
+    else if (name.starts_with("NonSemantic."))
+      m_.ignored_imports.push_back(inst.word(1));
+    else
+      inst.fail("extended instruction set \"" + name + "\" is not supported");
   }
 
   static std::optional<VkShaderStageFlagBits> stage_of(uint32_t model) {
     switch (model) {
-      case spv::ExecutionModelVertex: return VK_SHADER_STAGE_VERTEX_BIT;
-      case spv::ExecutionModelFragment: return VK_SHADER_STAGE_FRAGMENT_BIT;
-      case spv::ExecutionModelGLCompute: return VK_SHADER_STAGE_COMPUTE_BIT;
-      default: return std::nullopt;
+      case spv::ExecutionModelVertex:
+        return VK_SHADER_STAGE_VERTEX_BIT;
+      case spv::ExecutionModelFragment:
+        return VK_SHADER_STAGE_FRAGMENT_BIT;
+      case spv::ExecutionModelGLCompute:
+        return VK_SHADER_STAGE_COMPUTE_BIT;
+      default:
+        return std::nullopt;
     }
   }
 

@@ -1,9 +1,9 @@
-// A parsed shader module, specialised and checked as far as its declarations go. Plain data: filled by parse(), never changed afterwards,
-// so several threads may translate it at once.
+// A parsed shader module, specialised and checked as far as its declarations go. Plain data: filled by parse(), never changed
+// afterwards, so several threads may translate it at once.
 //
-// Flattening. Every value is the list of its scalars in depth-first order: a struct {vec2 a; float b[3];} is 5 scalars, a mat3x2 (three
-// columns of two rows) is 6, column by column. Type::scalar_count and Type::first_scalar describe this order; the translator, constants and
-// interfaces all use it.
+// Flattening. Every value is the list of its scalars in depth-first order: a struct {vec2 a; float b[3];} is 5 scalars, a mat3x2
+// (three columns of two rows) is 6, column by column. Type::scalar_count and Type::first_scalar describe this order; the
+// translator, constants and interfaces all use it.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,25 @@
 namespace pineda::spirv {
 
 // Bounds on what an untrusted module may make us build.
-inline constexpr uint32_t kMaxFlatScalars = 16384;            // of one variable, value or constant
-inline constexpr uint32_t kMaxConstantScalars = 1u << 20;     // of all constants
+inline constexpr uint32_t kMaxFlatScalars = 16384;         // of one variable, value or constant
+inline constexpr uint32_t kMaxConstantScalars = 1u << 20;  // of all constants
 inline constexpr uint32_t kMaxTypeDepth = 64;
 
 enum class TypeKind : uint8_t {
-  kVoid, kBool, kInt, kFloat, kVector, kMatrix, kArray, kRuntimeArray, kStruct, kPointer, kImage, kSampler, kSampledImage, kFunction
+  kVoid,
+  kBool,
+  kInt,
+  kFloat,
+  kVector,
+  kMatrix,
+  kArray,
+  kRuntimeArray,
+  kStruct,
+  kPointer,
+  kImage,
+  kSampler,
+  kSampledImage,
+  kFunction
 };
 
 struct ImageType {
@@ -35,17 +48,17 @@ struct ImageType {
 
 struct Type {
   TypeKind kind = TypeKind::kVoid;
-  bool is_signed = false;            // kInt
-  bool is_value = false;             // can be flattened into scalars
-  ir::Type scalar = ir::Type::kVoid; // kBool, kInt, kFloat
+  bool is_signed = false;                                 // kInt
+  bool is_value = false;                                  // can be flattened into scalars
+  ir::Type scalar = ir::Type::kVoid;                      // kBool, kInt, kFloat
   spv::StorageClass storage = spv::StorageClassFunction;  // kPointer
   uint32_t id = 0;
-  uint32_t element = 0;       // vector: component; matrix: column; arrays: element; pointer: pointee; image: texel component;
-                              // sampled image: image; function: result
-  uint32_t count = 0;         // vector, matrix, array
-  uint32_t depth = 0;         // of nesting
-  uint64_t scalar_count = 0;  // may be far beyond kMaxFlatScalars for arrays in buffers
-  std::vector<uint32_t> members;       // struct members, function parameters
+  uint32_t element = 0;           // vector: component; matrix: column; arrays: element; pointer: pointee; image: texel component;
+                                  // sampled image: image; function: result
+  uint32_t count = 0;             // vector, matrix, array
+  uint32_t depth = 0;             // of nesting
+  uint64_t scalar_count = 0;      // may be far beyond kMaxFlatScalars for arrays in buffers
+  std::vector<uint32_t> members;  // struct members, function parameters
   std::vector<uint64_t> first_scalar;  // of each struct member
   ImageType image;
 
@@ -68,11 +81,11 @@ struct Constant {
 struct Variable {
   uint32_t id = 0, pointee = 0;
   spv::StorageClass storage = spv::StorageClassFunction;
-  uint32_t initializer = 0;     // constant id, or 0
+  uint32_t initializer = 0;  // constant id, or 0
   uint32_t offset_words = 0;
   // by usage.cpp
-  bool used = false;            // by the entry point's call tree
-  bool dynamic = false;         // some access chain indexes it with a value that is not constant
+  bool used = false;          // by the entry point's call tree
+  uint32_t dynamic_step = 0;  // dynamic indices move by multiples of this many scalars; 0 = all indices are constant
   bool written = false;
   std::vector<bool> written_scalars;  // Output variables
 };
@@ -84,17 +97,19 @@ struct Block {
   uint32_t first = 0, terminator = 0;  // indices in Module::instructions; first is behind the OpLabel
   MergeKind merge_kind = MergeKind::kNone;
   uint32_t merge = 0, continue_target = 0;
-  uint32_t predecessors = 0;           // edges into this block
+  uint32_t predecessors = 0;  // edges into this block
 };
 
 struct Function {
   uint32_t id = 0, result_type = 0;
-  uint32_t first = 0;                      // index of the OpFunction
-  std::vector<uint32_t> parameters;        // ids
-  std::vector<Block> blocks;               // blocks[0] is the entry
+  uint32_t first = 0;                                  // index of the OpFunction
+  std::vector<uint32_t> parameters;                    // ids
+  std::vector<Block> blocks;                           // blocks[0] is the entry
   std::unordered_map<uint32_t, uint32_t> block_index;  // label -> index in blocks
-  bool returns_early = false;              // may return from inside a construct
-  std::vector<bool> dynamic_parameters, written_parameters;  // by usage.cpp: what the body does through pointers
+  bool returns_early = false;                          // may return from inside a construct
+  // by usage.cpp: what the body does through pointers
+  std::vector<uint32_t> parameter_steps;  // as Variable::dynamic_step
+  std::vector<bool> written_parameters;
 };
 
 // One scalar of an Input or Output variable.
@@ -109,32 +124,32 @@ class Module {
   std::vector<Instruction> instructions;  // views of words
   VkShaderStageFlagBits stage = VK_SHADER_STAGE_COMPUTE_BIT;
   uint32_t bound = 0;
-  std::vector<uint32_t> definition;       // id -> 1 + index of the instruction that defines it; 0 = none
+  std::vector<uint32_t> definition;  // id -> 1 + index of the instruction that defines it; 0 = none
   std::unordered_map<uint32_t, Type> types;
   std::unordered_map<uint32_t, Constant> constants;
-  std::unordered_map<uint32_t, Variable> variables;      // module scope and function scope
-  std::vector<uint32_t> module_variables;                // in order of declaration
-  std::unordered_map<uint32_t, Decorations> decorations;           // of ids
-  std::unordered_map<uint64_t, Decorations> member_decorations;    // key: member_key()
+  std::unordered_map<uint32_t, Variable> variables;              // module scope and function scope
+  std::vector<uint32_t> module_variables;                        // in order of declaration
+  std::unordered_map<uint32_t, Decorations> decorations;         // of ids
+  std::unordered_map<uint64_t, Decorations> member_decorations;  // key: member_key()
   std::unordered_map<uint32_t, Function> functions;
   std::vector<uint32_t> call_order;       // functions that the entry point reaches, callees first
   uint32_t glsl_std_450 = 0;              // id of the import, 0 = none
   std::vector<uint32_t> ignored_imports;  // NonSemantic.*
   uint32_t entry_point = 0;               // function id
   std::vector<uint32_t> entry_interface;
-  uint32_t constant_scalars = 0;          // used of kMaxConstantScalars
+  uint32_t constant_scalars = 0;                                                // used of kMaxConstantScalars
   std::unordered_map<uint32_t, std::vector<InterfaceEntry>> interface_entries;  // Input and Output variables in use
   std::unordered_map<uint32_t, uint32_t> shared_offset_bytes;                   // Workgroup variables
   ModuleInfo info;
 
-  const Type& type(uint32_t id) const;                       // fails unless id is a type
-  const Constant* constant(uint32_t id) const;               // null unless id is a constant
-  uint32_t type_of(uint32_t id) const;                       // type id of a result; fails when it has none
-  const Decorations& decorations_of(uint32_t id) const;      // empty ones when undecorated
+  const Type& type(uint32_t id) const;                   // fails unless id is a type
+  const Constant* constant(uint32_t id) const;           // null unless id is a constant
+  uint32_t type_of(uint32_t id) const;                   // type id of a result; fails when it has none
+  const Decorations& decorations_of(uint32_t id) const;  // empty ones when undecorated
   const Decorations& member_of(uint32_t struct_type, uint32_t member) const;
-  const Variable* variable(uint32_t id) const;               // null unless id is a variable
+  const Variable* variable(uint32_t id) const;  // null unless id is a variable
   const Function& function(uint32_t id) const;
-  std::vector<ir::Type> flat_scalars(uint32_t type_id) const;  // fails unless is_value and at most kMaxFlatScalars
+  std::vector<ir::Type> flat_scalars(uint32_t type_id) const;         // fails unless is_value and at most kMaxFlatScalars
   uint32_t constant_u32(const Instruction& user, uint32_t id) const;  // of an integer scalar constant
   bool is_ignored_import(uint32_t id) const;
 
@@ -142,16 +157,17 @@ class Module {
 };
 
 // The parts of parse(), in the order in which it calls them.
-void check_support(const Instruction& inst);                            // support.cpp: capabilities, memory model
-void check_execution_mode(const Instruction& inst);                     // support.cpp
-void decorate(Module& m, const Instruction& inst);                      // decorations.cpp
-void declare_type(Module& m, const Instruction& inst);                  // types.cpp
-void declare_constant(Module& m, const Instruction& inst, std::span<const SpecializationConstant> specialization);  // constants.cpp
-Constant fold_spec_op(const Module& m, const Instruction& inst);        // spec_op.cpp
-void declare_variable(Module& m, const Instruction& inst);              // types.cpp
-void read_functions(Module& m);                                         // functions.cpp
-void find_usage(Module& m);                                             // usage.cpp
-void flatten_interfaces(Module& m);                                     // interface.cpp
-void reflect(Module& m);                                                // reflect.cpp: a trial translation fills ModuleInfo
+void check_support(const Instruction& inst);            // support.cpp: capabilities, memory model
+void check_execution_mode(const Instruction& inst);     // support.cpp
+void decorate(Module& m, const Instruction& inst);      // decorations.cpp
+void declare_type(Module& m, const Instruction& inst);  // types.cpp
+void declare_constant(Module& m, const Instruction& inst,
+                      std::span<const SpecializationConstant> specialization);  // constants.cpp
+Constant fold_spec_op(const Module& m, const Instruction& inst);                // spec_op.cpp
+void declare_variable(Module& m, const Instruction& inst);                      // types.cpp
+void read_functions(Module& m);                                                 // functions.cpp
+void find_usage(Module& m);                                                     // usage.cpp
+void flatten_interfaces(Module& m);                                             // interface.cpp
+void reflect(Module& m);  // reflect.cpp: a trial translation fills ModuleInfo
 
 }  // namespace pineda::spirv

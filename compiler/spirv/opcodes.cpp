@@ -15,23 +15,53 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(LoopMerge, 4, [](Translator&, const Instruction&) {}),
     PINEDA_SPIRV_ROW(Phi, 3, [](Translator&, const Instruction& i) { i.fail("must stand at the head of a block"); }),
     PINEDA_SPIRV_ROW(Variable, 4, [](Translator& t, const Instruction& i) { t.declare_local(i); }),
-    PINEDA_SPIRV_ROW(Capability, 2, nullptr), PINEDA_SPIRV_ROW(MemoryModel, 3, nullptr), PINEDA_SPIRV_ROW(EntryPoint, 4, nullptr),
-    PINEDA_SPIRV_ROW(ExecutionMode, 3, nullptr), PINEDA_SPIRV_ROW(ExecutionModeId, 3, nullptr),
-    PINEDA_SPIRV_ROW(Extension, 2, nullptr), PINEDA_SPIRV_ROW(ExtInstImport, 3, nullptr), PINEDA_SPIRV_ROW(Decorate, 3, nullptr),
-    PINEDA_SPIRV_ROW(DecorateId, 3, nullptr), PINEDA_SPIRV_ROW(MemberDecorate, 4, nullptr), PINEDA_SPIRV_ROW(GroupDecorate, 2, nullptr),
-    PINEDA_SPIRV_ROW(GroupMemberDecorate, 2, nullptr), PINEDA_SPIRV_ROW(TypeVoid, 2, nullptr), PINEDA_SPIRV_ROW(TypeBool, 2, nullptr),
-    PINEDA_SPIRV_ROW(TypeInt, 4, nullptr), PINEDA_SPIRV_ROW(TypeFloat, 3, nullptr), PINEDA_SPIRV_ROW(TypeVector, 4, nullptr),
-    PINEDA_SPIRV_ROW(TypeMatrix, 4, nullptr), PINEDA_SPIRV_ROW(TypeImage, 9, nullptr), PINEDA_SPIRV_ROW(TypeSampler, 2, nullptr),
-    PINEDA_SPIRV_ROW(TypeSampledImage, 3, nullptr), PINEDA_SPIRV_ROW(TypeArray, 4, nullptr),
-    PINEDA_SPIRV_ROW(TypeRuntimeArray, 3, nullptr), PINEDA_SPIRV_ROW(TypeStruct, 2, nullptr), PINEDA_SPIRV_ROW(TypePointer, 4, nullptr),
-    PINEDA_SPIRV_ROW(TypeFunction, 3, nullptr), PINEDA_SPIRV_ROW(ConstantTrue, 3, nullptr), PINEDA_SPIRV_ROW(ConstantFalse, 3, nullptr),
-    PINEDA_SPIRV_ROW(Constant, 4, nullptr), PINEDA_SPIRV_ROW(ConstantComposite, 3, nullptr), PINEDA_SPIRV_ROW(ConstantNull, 3, nullptr),
-    PINEDA_SPIRV_ROW(SpecConstantTrue, 3, nullptr), PINEDA_SPIRV_ROW(SpecConstantFalse, 3, nullptr),
-    PINEDA_SPIRV_ROW(SpecConstant, 4, nullptr), PINEDA_SPIRV_ROW(SpecConstantComposite, 3, nullptr),
-    PINEDA_SPIRV_ROW(SpecConstantOp, 5, nullptr), PINEDA_SPIRV_ROW(Function, 5, nullptr), PINEDA_SPIRV_ROW(FunctionParameter, 3, nullptr),
-    PINEDA_SPIRV_ROW(FunctionEnd, 1, nullptr), PINEDA_SPIRV_ROW(Label, 2, nullptr), PINEDA_SPIRV_ROW(Branch, 2, nullptr),
-    PINEDA_SPIRV_ROW(BranchConditional, 4, nullptr), PINEDA_SPIRV_ROW(Switch, 3, nullptr), PINEDA_SPIRV_ROW(Return, 1, nullptr),
-    PINEDA_SPIRV_ROW(ReturnValue, 2, nullptr), PINEDA_SPIRV_ROW(Kill, 1, nullptr), PINEDA_SPIRV_ROW(TerminateInvocation, 1, nullptr),
+    PINEDA_SPIRV_ROW(Capability, 2, nullptr),
+    PINEDA_SPIRV_ROW(MemoryModel, 3, nullptr),
+    PINEDA_SPIRV_ROW(EntryPoint, 4, nullptr),
+    PINEDA_SPIRV_ROW(ExecutionMode, 3, nullptr),
+    PINEDA_SPIRV_ROW(ExecutionModeId, 3, nullptr),
+    PINEDA_SPIRV_ROW(Extension, 2, nullptr),
+    PINEDA_SPIRV_ROW(ExtInstImport, 3, nullptr),
+    PINEDA_SPIRV_ROW(Decorate, 3, nullptr),
+    PINEDA_SPIRV_ROW(DecorateId, 3, nullptr),
+    PINEDA_SPIRV_ROW(MemberDecorate, 4, nullptr),
+    PINEDA_SPIRV_ROW(GroupDecorate, 2, nullptr),
+    PINEDA_SPIRV_ROW(GroupMemberDecorate, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypeVoid, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypeBool, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypeInt, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeFloat, 3, nullptr),
+    PINEDA_SPIRV_ROW(TypeVector, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeMatrix, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeImage, 9, nullptr),
+    PINEDA_SPIRV_ROW(TypeSampler, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypeSampledImage, 3, nullptr),
+    PINEDA_SPIRV_ROW(TypeArray, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeRuntimeArray, 3, nullptr),
+    PINEDA_SPIRV_ROW(TypeStruct, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypePointer, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeFunction, 3, nullptr),
+    PINEDA_SPIRV_ROW(ConstantTrue, 3, nullptr),
+    PINEDA_SPIRV_ROW(ConstantFalse, 3, nullptr),
+    PINEDA_SPIRV_ROW(Constant, 4, nullptr),
+    PINEDA_SPIRV_ROW(ConstantComposite, 3, nullptr),
+    PINEDA_SPIRV_ROW(ConstantNull, 3, nullptr),
+    PINEDA_SPIRV_ROW(SpecConstantTrue, 3, nullptr),
+    PINEDA_SPIRV_ROW(SpecConstantFalse, 3, nullptr),
+    PINEDA_SPIRV_ROW(SpecConstant, 4, nullptr),
+    PINEDA_SPIRV_ROW(SpecConstantComposite, 3, nullptr),
+    PINEDA_SPIRV_ROW(SpecConstantOp, 5, nullptr),
+    PINEDA_SPIRV_ROW(Function, 5, nullptr),
+    PINEDA_SPIRV_ROW(FunctionParameter, 3, nullptr),
+    PINEDA_SPIRV_ROW(FunctionEnd, 1, nullptr),
+    PINEDA_SPIRV_ROW(Label, 2, nullptr),
+    PINEDA_SPIRV_ROW(Branch, 2, nullptr),
+    PINEDA_SPIRV_ROW(BranchConditional, 4, nullptr),
+    PINEDA_SPIRV_ROW(Switch, 3, nullptr),
+    PINEDA_SPIRV_ROW(Return, 1, nullptr),
+    PINEDA_SPIRV_ROW(ReturnValue, 2, nullptr),
+    PINEDA_SPIRV_ROW(Kill, 1, nullptr),
+    PINEDA_SPIRV_ROW(TerminateInvocation, 1, nullptr),
     PINEDA_SPIRV_ROW(Unreachable, 1, nullptr),
 };
 
@@ -43,8 +73,10 @@ struct Table {
 
   void add(std::span<const OpRow> rows) {
     for (const OpRow& row : rows) {
-      if (static_cast<uint32_t>(row.op) < kDirect) direct[row.op] = &row;
-      else others.push_back(&row);
+      if (static_cast<uint32_t>(row.op) < kDirect)
+        direct[row.op] = &row;
+      else
+        others.push_back(&row);
     }
   }
 

@@ -13,7 +13,8 @@ struct OpRow {
   uint16_t min_words;
   Handler handler;  // null: not an instruction of a block's body
 };
-#define PINEDA_SPIRV_ROW(name, min_words, ...) {spv::Op##name, "Op" #name, min_words, __VA_ARGS__}
+#define PINEDA_SPIRV_ROW(name, min_words, ...) \
+  { spv::Op##name, "Op" #name, min_words, __VA_ARGS__ }
 
 std::span<const OpRow> arith_rows();
 std::span<const OpRow> logic_rows();

@@ -11,8 +11,8 @@ using ir::Value;
 
 // ---- derivatives: differences inside a 2x2 quad, whose lanes are 0 1 / 2 3 (base/abi.h) ----
 //
-// Fine: each row (column) its own difference. Coarse: the first row's (column's) for the whole quad. The plain instructions, for which Vulkan
-// allows either, are fine.
+// Fine: each row (column) its own difference. Coarse: the first row's (column's) for the whole quad. The plain instructions, for
+// which Vulkan allows either, are fine.
 
 constexpr uint32_t pattern(uint32_t a, uint32_t c, uint32_t d, uint32_t e) { return a | c << 2 | d << 4 | e << 6; }
 
@@ -22,7 +22,9 @@ struct Difference {
 constexpr Difference kFineX{pattern(1, 1, 3, 3), pattern(0, 0, 2, 2)}, kFineY{pattern(2, 3, 2, 3), pattern(0, 1, 0, 1)};
 constexpr Difference kCoarseX{pattern(1, 1, 1, 1), pattern(0, 0, 0, 0)}, kCoarseY{pattern(2, 2, 2, 2), pattern(0, 0, 0, 0)};
 
-Value difference(Translator& t, Value v, const Difference& d) { return t.fsub(t.b.quad_swizzle(v, d.to), t.b.quad_swizzle(v, d.from)); }
+Value difference(Translator& t, Value v, const Difference& d) {
+  return t.fsub(t.b.quad_swizzle(v, d.to), t.b.quad_swizzle(v, d.from));
+}
 
 Values derivative_operand(Translator& t, const Instruction& inst) {
   if (!t.is_fragment()) inst.fail("derivatives need a fragment shader");
@@ -80,13 +82,19 @@ void extended(Translator& t, const Instruction& inst) {
 constexpr OpRow kRows[] = {
     PINEDA_SPIRV_ROW(FunctionCall, 4, [](Translator& t, const Instruction& inst) { t.call(inst); }),
     PINEDA_SPIRV_ROW(ExtInst, 5, extended),
-    PINEDA_SPIRV_ROW(DPdx, 4, derivative<kFineX>), PINEDA_SPIRV_ROW(DPdy, 4, derivative<kFineY>),
-    PINEDA_SPIRV_ROW(DPdxFine, 4, derivative<kFineX>), PINEDA_SPIRV_ROW(DPdyFine, 4, derivative<kFineY>),
-    PINEDA_SPIRV_ROW(DPdxCoarse, 4, derivative<kCoarseX>), PINEDA_SPIRV_ROW(DPdyCoarse, 4, derivative<kCoarseY>),
-    PINEDA_SPIRV_ROW(Fwidth, 4, width<kFineX, kFineY>), PINEDA_SPIRV_ROW(FwidthFine, 4, width<kFineX, kFineY>),
+    PINEDA_SPIRV_ROW(DPdx, 4, derivative<kFineX>),
+    PINEDA_SPIRV_ROW(DPdy, 4, derivative<kFineY>),
+    PINEDA_SPIRV_ROW(DPdxFine, 4, derivative<kFineX>),
+    PINEDA_SPIRV_ROW(DPdyFine, 4, derivative<kFineY>),
+    PINEDA_SPIRV_ROW(DPdxCoarse, 4, derivative<kCoarseX>),
+    PINEDA_SPIRV_ROW(DPdyCoarse, 4, derivative<kCoarseY>),
+    PINEDA_SPIRV_ROW(Fwidth, 4, width<kFineX, kFineY>),
+    PINEDA_SPIRV_ROW(FwidthFine, 4, width<kFineX, kFineY>),
     PINEDA_SPIRV_ROW(FwidthCoarse, 4, width<kCoarseX, kCoarseY>),
-    PINEDA_SPIRV_ROW(ControlBarrier, 4, control_barrier), PINEDA_SPIRV_ROW(MemoryBarrier, 3, memory_barrier),
-    PINEDA_SPIRV_ROW(DemoteToHelperInvocation, 1, demote), PINEDA_SPIRV_ROW(IsHelperInvocationEXT, 3, is_helper),
+    PINEDA_SPIRV_ROW(ControlBarrier, 4, control_barrier),
+    PINEDA_SPIRV_ROW(MemoryBarrier, 3, memory_barrier),
+    PINEDA_SPIRV_ROW(DemoteToHelperInvocation, 1, demote),
+    PINEDA_SPIRV_ROW(IsHelperInvocationEXT, 3, is_helper),
 };
 
 }  // namespace

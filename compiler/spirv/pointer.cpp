@@ -124,12 +124,21 @@ void access_chain(Translator& t, const Instruction& inst) {
       continue;
     }
     switch (type.kind) {
-      case TypeKind::kStruct: step_struct(t, inst, p, type, index); break;
+      case TypeKind::kStruct:
+        step_struct(t, inst, p, type, index);
+        break;
       case TypeKind::kArray:
-      case TypeKind::kRuntimeArray: step_array(t, inst, p, type, index); break;
-      case TypeKind::kMatrix: step_matrix(t, inst, p, type, index); break;
-      case TypeKind::kVector: step_vector(t, inst, p, type, index); break;
-      default: inst.fail("has more indices than its type has levels");
+      case TypeKind::kRuntimeArray:
+        step_array(t, inst, p, type, index);
+        break;
+      case TypeKind::kMatrix:
+        step_matrix(t, inst, p, type, index);
+        break;
+      case TypeKind::kVector:
+        step_vector(t, inst, p, type, index);
+        break;
+      default:
+        inst.fail("has more indices than its type has levels");
     }
   }
   t.define(inst, p);

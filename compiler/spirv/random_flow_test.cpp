@@ -15,9 +15,9 @@ enum class Kind { kAdd, kIf, kFor, kSwitch, kBreak, kContinue, kReturn };
 
 struct Node {
   Kind kind;
-  uint32_t number = 0;                             // constant of the statement
-  std::vector<std::vector<Node>> bodies;           // If: then, else; For: body; Switch: cases, the last one is the default
-  std::vector<bool> falls;                         // Switch: case i has no break
+  uint32_t number = 0;                    // constant of the statement
+  std::vector<std::vector<Node>> bodies;  // If: then, else; For: body; Switch: cases, the last one is the default
+  std::vector<bool> falls;                // Switch: case i has no break
 };
 
 // Where the program is: r is hashed by each statement, so that order and count of what ran show in the result.
@@ -38,8 +38,11 @@ struct Machine {
 
   Signal run(const Node& n) {
     switch (n.kind) {
-      case Kind::kAdd: r = r * 31 + n.number; return Signal::kNone;
-      case Kind::kIf: return run(n.bodies[test(n) ? 0 : 1]);
+      case Kind::kAdd:
+        r = r * 31 + n.number;
+        return Signal::kNone;
+      case Kind::kIf:
+        return run(n.bodies[test(n) ? 0 : 1]);
       case Kind::kFor:
         for (uint32_t i = 0; i < n.number % 5; ++i) {
           r += i;
@@ -57,9 +60,13 @@ struct Machine {
           if (s == Signal::kBreak || !n.falls[c] || c == last) return Signal::kNone;
         }
       }
-      case Kind::kBreak: return Signal::kBreak;
-      case Kind::kContinue: return Signal::kContinue;
-      case Kind::kReturn: r = r * 31 + n.number; return Signal::kReturn;
+      case Kind::kBreak:
+        return Signal::kBreak;
+      case Kind::kContinue:
+        return Signal::kContinue;
+      case Kind::kReturn:
+        r = r * 31 + n.number;
+        return Signal::kReturn;
     }
     return Signal::kNone;
   }
@@ -111,7 +118,8 @@ struct Writer {
   std::string print(const Node& n) {
     const std::string number = std::to_string(n.number) + "u";
     switch (n.kind) {
-      case Kind::kAdd: return "r = r * 31u + " + number + ";\n";
+      case Kind::kAdd:
+        return "r = r * 31u + " + number + ";\n";
       case Kind::kIf:
         return "if (((r ^ (x * 7u)) % 11u) < " + std::to_string(n.number % 11) + "u) {\n" + print(n.bodies[0]) + "} else {\n" +
                print(n.bodies[1]) + "}\n";
@@ -130,9 +138,12 @@ struct Writer {
         }
         return out + "}\n";
       }
-      case Kind::kBreak: return "break;\n";
-      case Kind::kContinue: return "continue;\n";
-      case Kind::kReturn: return "{ r = r * 31u + " + number + "; return r; }\n";
+      case Kind::kBreak:
+        return "break;\n";
+      case Kind::kContinue:
+        return "continue;\n";
+      case Kind::kReturn:
+        return "{ r = r * 31u + " + number + "; return r; }\n";
     }
     return "";
   }

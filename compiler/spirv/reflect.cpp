@@ -1,6 +1,6 @@
-// ModuleInfo's dynamic part, by a trial translation against a stage that accepts everything and takes notes. Images can be passed through
-// functions, so only the walk that inlines them knows which image meets which sampler; and a module that parse() accepts is one whose
-// every instruction translates.
+// ModuleInfo's dynamic part, by a trial translation against a stage that accepts everything and takes notes. Images can be passed
+// through functions, so only the walk that inlines them knows which image meets which sampler; and a module that parse() accepts
+// is one whose every instruction translates.
 #include <algorithm>
 
 #include "compiler/spirv/translator.h"
@@ -22,7 +22,8 @@ class Recorder final : public StageInterface {
     return texel(b, r.result);
   }
   std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const ImageQuery& q) override {
-    if (q.kind == ImageQuery::Kind::kLod) add({.image = q.image, .sampler = q.sampler, .sampled = true, .view_type = q.view_type});
+    if (q.kind == ImageQuery::Kind::kLod)
+      add({.image = q.image, .sampler = q.sampler, .sampled = true, .view_type = q.view_type});
     return texel(b, q.kind == ImageQuery::Kind::kLod ? ir::Type::kF32 : ir::Type::kI32);
   }
   std::optional<std::array<ir::Value, 4>> image_load(ir::Builder& b, const ImageAccess& a) override {

@@ -106,11 +106,21 @@ TEST(SpirvRobust, RandomMutations) {
       for (uint32_t edits = 1 + random() % 3; edits > 0; --edits) {
         uint32_t& word = mutant[random() % mutant.size()];
         switch (random() % 5) {
-          case 0: word = random(); break;
-          case 1: word ^= 1u << random() % 32; break;
-          case 2: word = random() % mutant[3]; break;              // another id
-          case 3: word = mutant[random() % mutant.size()]; break;  // another word
-          default: word += random() % 5 - 2; break;
+          case 0:
+            word = random();
+            break;
+          case 1:
+            word ^= 1u << random() % 32;
+            break;
+          case 2:
+            word = random() % words[3];
+            break;  // another id
+          case 3:
+            word = mutant[random() % mutant.size()];
+            break;  // another word
+          default:
+            word += random() % 5 - 2;
+            break;
         }
       }
       ++total;

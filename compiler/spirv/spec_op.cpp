@@ -1,5 +1,5 @@
-// OpSpecConstantOp: the operations that SPIR-V 3.32.7 allows under the Shader capability, folded with the same definitions as the IR's
-// (division by zero and shift counts as in compiler/ir/ops.inc).
+// OpSpecConstantOp: the operations that SPIR-V 3.32.7 allows under the Shader capability, folded with the same definitions as the
+// IR's (division by zero and shift counts as in compiler/ir/ops.inc).
 #include <limits>
 
 #include "compiler/spirv/module.h"
@@ -29,45 +29,75 @@ uint32_t signed_modulo(uint32_t a, uint32_t b) {
 std::optional<uint32_t> fold_unary(spv::Op op, uint32_t a) {
   switch (op) {
     case spv::OpSConvert:
-    case spv::OpUConvert: return a;  // 32 bits to 32 bits
-    case spv::OpSNegate: return 0u - a;
-    case spv::OpNot: return ~a;
-    case spv::OpLogicalNot: return a == 0;
-    default: return std::nullopt;
+    case spv::OpUConvert:
+      return a;  // 32 bits to 32 bits
+    case spv::OpSNegate:
+      return 0u - a;
+    case spv::OpNot:
+      return ~a;
+    case spv::OpLogicalNot:
+      return a == 0;
+    default:
+      return std::nullopt;
   }
 }
 
 std::optional<uint32_t> fold_binary(spv::Op op, uint32_t a, uint32_t b) {
   switch (op) {
-    case spv::OpIAdd: return a + b;
-    case spv::OpISub: return a - b;
-    case spv::OpIMul: return a * b;
-    case spv::OpUDiv: return b == 0 ? ~0u : a / b;
-    case spv::OpSDiv: return signed_divide(a, b);
-    case spv::OpUMod: return b == 0 ? a : a % b;
-    case spv::OpSRem: return signed_remainder(a, b);
-    case spv::OpSMod: return signed_modulo(a, b);
-    case spv::OpShiftRightLogical: return a >> (b & 31);
-    case spv::OpShiftRightArithmetic: return static_cast<uint32_t>(as_signed(a) >> (b & 31));
-    case spv::OpShiftLeftLogical: return a << (b & 31);
+    case spv::OpIAdd:
+      return a + b;
+    case spv::OpISub:
+      return a - b;
+    case spv::OpIMul:
+      return a * b;
+    case spv::OpUDiv:
+      return b == 0 ? ~0u : a / b;
+    case spv::OpSDiv:
+      return signed_divide(a, b);
+    case spv::OpUMod:
+      return b == 0 ? a : a % b;
+    case spv::OpSRem:
+      return signed_remainder(a, b);
+    case spv::OpSMod:
+      return signed_modulo(a, b);
+    case spv::OpShiftRightLogical:
+      return a >> (b & 31);
+    case spv::OpShiftRightArithmetic:
+      return static_cast<uint32_t>(as_signed(a) >> (b & 31));
+    case spv::OpShiftLeftLogical:
+      return a << (b & 31);
     case spv::OpBitwiseOr:
-    case spv::OpLogicalOr: return a | b;
+    case spv::OpLogicalOr:
+      return a | b;
     case spv::OpBitwiseAnd:
-    case spv::OpLogicalAnd: return a & b;
-    case spv::OpBitwiseXor: return a ^ b;
+    case spv::OpLogicalAnd:
+      return a & b;
+    case spv::OpBitwiseXor:
+      return a ^ b;
     case spv::OpLogicalEqual:
-    case spv::OpIEqual: return a == b;
+    case spv::OpIEqual:
+      return a == b;
     case spv::OpLogicalNotEqual:
-    case spv::OpINotEqual: return a != b;
-    case spv::OpULessThan: return a < b;
-    case spv::OpULessThanEqual: return a <= b;
-    case spv::OpUGreaterThan: return a > b;
-    case spv::OpUGreaterThanEqual: return a >= b;
-    case spv::OpSLessThan: return as_signed(a) < as_signed(b);
-    case spv::OpSLessThanEqual: return as_signed(a) <= as_signed(b);
-    case spv::OpSGreaterThan: return as_signed(a) > as_signed(b);
-    case spv::OpSGreaterThanEqual: return as_signed(a) >= as_signed(b);
-    default: return std::nullopt;
+    case spv::OpINotEqual:
+      return a != b;
+    case spv::OpULessThan:
+      return a < b;
+    case spv::OpULessThanEqual:
+      return a <= b;
+    case spv::OpUGreaterThan:
+      return a > b;
+    case spv::OpUGreaterThanEqual:
+      return a >= b;
+    case spv::OpSLessThan:
+      return as_signed(a) < as_signed(b);
+    case spv::OpSLessThanEqual:
+      return as_signed(a) <= as_signed(b);
+    case spv::OpSGreaterThan:
+      return as_signed(a) > as_signed(b);
+    case spv::OpSGreaterThanEqual:
+      return as_signed(a) >= as_signed(b);
+    default:
+      return std::nullopt;
   }
 }
 
@@ -160,11 +190,16 @@ struct Folder {
   std::vector<uint32_t> run() const {
     const auto op = inst.word_as<spv::Op>(3);
     switch (op) {
-      case spv::OpCompositeExtract: return extract();
-      case spv::OpCompositeInsert: return insert();
-      case spv::OpVectorShuffle: return shuffle();
-      case spv::OpSelect: return select();
-      default: return elementwise(op);
+      case spv::OpCompositeExtract:
+        return extract();
+      case spv::OpCompositeInsert:
+        return insert();
+      case spv::OpVectorShuffle:
+        return shuffle();
+      case spv::OpSelect:
+        return select();
+      default:
+        return elementwise(op);
     }
   }
 };

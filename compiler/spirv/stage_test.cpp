@@ -41,7 +41,9 @@ std::string error_of(VkShaderStageFlagBits stage, const Words& words, const std:
 }
 
 TEST(SpirvStage, VertexInterface) {
-  const ModuleInfo i = info_of(kVertex, R"(layout(location = 2) in mat2x3 m; layout(location = 0, component = 1) in vec2 uv; layout(location = 5) in uint unused;
+  const ModuleInfo i = info_of(
+      kVertex,
+      R"(layout(location = 2) in mat2x3 m; layout(location = 0, component = 1) in vec2 uv; layout(location = 5) in uint unused;
     layout(location = 6) in ivec2 k; layout(location = 1) out Block { vec2 a; float b[2]; } block; layout(location = 5) flat out uint id; layout(location = 7) out float never;
     void main() { gl_Position = vec4(m[1], uv.x + float(k.y)); block.a = uv; id = gl_VertexIndex; })");
   EXPECT_EQ(names(i.inputs), "b2.0i32 0.1f32 0.2f32 2.0f32 2.1f32 2.2f32 3.0f32 3.1f32 3.2f32 6.0i32F 6.1i32F");
@@ -50,7 +52,9 @@ TEST(SpirvStage, VertexInterface) {
 }
 
 TEST(SpirvStage, FragmentInterface) {
-  const ModuleInfo i = info_of(kFragment, R"(layout(location = 0) in vec2 a; layout(location = 1) flat in int b; layout(location = 2) noperspective in float c;
+  const ModuleInfo i = info_of(
+      kFragment,
+      R"(layout(location = 0) in vec2 a; layout(location = 1) flat in int b; layout(location = 2) noperspective in float c;
     layout(location = 3) centroid in float d; layout(location = 4) sample in float e; layout(early_fragment_tests) in;
     layout(location = 0, index = 0) out vec4 color; layout(location = 0, index = 1) out vec4 second;
     void main() { color = vec4(a, b, c); second = vec4(d + e + gl_FragCoord.x); gl_FragDepth = 0.5; if (!gl_FrontFacing) discard; })");
@@ -60,7 +64,9 @@ TEST(SpirvStage, FragmentInterface) {
 }
 
 TEST(SpirvStage, ComputeInfo) {
-  const ModuleInfo i = info_of(kCompute, R"(layout(local_size_x = 4, local_size_y = 3, local_size_z = 1) in; shared vec3 a[5]; shared bool unused; shared int b;
+  const ModuleInfo i = info_of(
+      kCompute,
+      R"(layout(local_size_x = 4, local_size_y = 3, local_size_z = 1) in; shared vec3 a[5]; shared bool unused; shared int b;
     layout(set = 0, binding = 0) buffer D { uint d; }; layout(r32ui, set = 2, binding = 3) uniform uimage2D image[4];
     void f(int k) { barrier(); imageStore(image[2], ivec2(k), uvec4(1)); } void main() { a[gl_LocalInvocationID.x] = vec3(gl_WorkGroupID); b = int(d); f(b); })");
   EXPECT_EQ(i.local_size, (std::array<uint32_t, 3>{4, 3, 1}));
@@ -72,7 +78,9 @@ TEST(SpirvStage, ComputeInfo) {
 }
 
 TEST(SpirvStage, VertexShaderComputesItsOutputs) {
-  const Words words = glsl(kVertex, R"(layout(location = 0) in vec3 p; layout(location = 1) in uvec2 k; layout(location = 0) out vec4 c[2]; layout(location = 2) flat out ivec2 n;
+  const Words words = glsl(
+      kVertex,
+      R"(layout(location = 0) in vec3 p; layout(location = 1) in uvec2 k; layout(location = 0) out vec4 c[2]; layout(location = 2) flat out ivec2 n;
     layout(location = 3) out float never; void set(out vec4 v, float x) { v = vec4(x, 1, 2, 3); }
     void main() { gl_Position = vec4(p * 2.0, 1); set(c[1], p.y); c[0].y = float(k.x); n = ivec2(gl_InstanceIndex, int(k.y) - 5); })");
   FakeStage stage;
@@ -108,13 +116,20 @@ FakeStage run_fragment(const std::string& text, uint32_t coverage = 0xffff, cons
     return s.type == ir::Type::kF32 ? word(float(lane)) : lane;
   };
   stage.buffers[0].words.resize(32);
-  EXPECT_EQ(run(stage, kFragment, glsl(kFragment, extensions + "layout(location = 0) in float f; layout(location = 1) flat in uint lane; layout(location = 0) out float r;\n"
-                                                  "layout(set = 0, binding = 0) buffer D { uint d[]; };\n" + text)), "");
+  EXPECT_EQ(
+      run(stage, kFragment,
+          glsl(kFragment,
+               extensions +
+                   "layout(location = 0) in float f; layout(location = 1) flat in uint lane; layout(location = 0) out float r;\n"
+                   "layout(set = 0, binding = 0) buffer D { uint d[]; };\n" +
+                   text)),
+      "");
   return stage;
 }
 
 TEST(SpirvStage, DiscardInBranches) {
-  const FakeStage s = run_fragment("void main() { r = f; if (lane > 3u) { if (lane < 6u) discard; r += 100.0; } d[lane] = 1u; r += 0.5; }");
+  const FakeStage s =
+      run_fragment("void main() { r = f; if (lane > 3u) { if (lane < 6u) discard; r += 100.0; } d[lane] = 1u; r += 0.5; }");
   EXPECT_EQ(s.discarded, 0x0030u);
   for (uint32_t lane = 0; lane < 16; ++lane) {
     if (lane == 4 || lane == 5) continue;
@@ -126,20 +141,23 @@ TEST(SpirvStage, DiscardInBranches) {
 }
 
 TEST(SpirvStage, DiscardInLoopsAndFunctions) {
-  const FakeStage s = run_fragment(R"(uint f2(uint x) { for (uint i = 0u; i < 100u; ++i) { if (i == x) discard; if (i * i > 30u) return i; } return 7u; }
+  const FakeStage s = run_fragment(
+      R"(uint f2(uint x) { for (uint i = 0u; i < 100u; ++i) { if (i == x) discard; if (i * i > 30u) return i; } return 7u; }
     void main() { uint v = lane < 4u ? f2(lane * 3u) : f2(50u + lane); d[lane] = v; r = float(v); })");
   EXPECT_EQ(s.discarded, 0x0007u);  // x = 0, 3 and 6; x = 9 returns first
   for (uint32_t lane = 0; lane < 16; ++lane) EXPECT_EQ(s.buffers.at(0).words[lane], lane < 3 ? 0u : 6u) << lane;
 }
 
 TEST(SpirvStage, DiscardedLanesLeaveEveryLoop) {  // the loop ends only for lanes that were not discarded
-  const FakeStage s = run_fragment("void main() { if (lane == 2u) discard; float t = 0.0; while (t < 8.0) t += lane == 2u ? 0.0 : 1.0; r = t; }");
+  const FakeStage s =
+      run_fragment("void main() { if (lane == 2u) discard; float t = 0.0; while (t < 8.0) t += lane == 2u ? 0.0 : 1.0; r = t; }");
   EXPECT_EQ(s.discarded, 0x0004u);
   EXPECT_EQ(real(s.at(0)[3]), 8.0f);
 }
 
 TEST(SpirvStage, HelpersWriteNothingButFeedDerivatives) {
-  const FakeStage s = run_fragment("void main() { uint old = atomicAdd(d[16], 1u); d[lane] = 5u; r = dFdx(f) + 100.0 * dFdy(f) + float(old) * 0.0; }", 0x00f1);
+  const FakeStage s = run_fragment(
+      "void main() { uint old = atomicAdd(d[16], 1u); d[lane] = 5u; r = dFdx(f) + 100.0 * dFdy(f) + float(old) * 0.0; }", 0x00f1);
   for (uint32_t lane = 0; lane < 16; ++lane) {
     EXPECT_EQ(s.buffers.at(0).words[lane], 0x00f1u >> lane & 1 ? 5u : 0u) << lane;
     EXPECT_EQ(real(s.at(0)[lane]), 201.0f) << "lanes of a quad are 0 1 / 2 3";
@@ -178,9 +196,19 @@ TEST(SpirvStage, Refusals) {
   EXPECT_EQ(error_of(kVertex, good), "");
   EXPECT_NE(error_of(kFragment, good).find("entry point"), std::string::npos);
   EXPECT_NE(error_of(kVertex, good, "other").find("\"other\""), std::string::npos);
-  EXPECT_NE(error_of(kVertex, glsl(kVertex, "void main() { gl_Position = vec4(0); gl_ClipDistance[0] = 1.0; }")).find("ClipDistance"), std::string::npos);
-  EXPECT_NE(error_of(kVertex, glsl(kVertex, "void main() { double d = double(gl_VertexIndex); gl_Position = vec4(d); }")).find("Float64"), std::string::npos);
-  EXPECT_NE(error_of(kFragment, glsl(kFragment, "layout(location = 0) in vec2 v; layout(location = 0) out vec2 c; void main() { c = interpolateAtCentroid(v); }")).find("InterpolationFunction"), std::string::npos);
+  EXPECT_NE(
+      error_of(kVertex, glsl(kVertex, "void main() { gl_Position = vec4(0); gl_ClipDistance[0] = 1.0; }")).find("ClipDistance"),
+      std::string::npos);
+  EXPECT_NE(error_of(kVertex, glsl(kVertex, "void main() { double d = double(gl_VertexIndex); gl_Position = vec4(d); }"))
+                .find("Float64"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(
+          kFragment,
+          glsl(kFragment,
+               "layout(location = 0) in vec2 v; layout(location = 0) out vec2 c; void main() { c = interpolateAtCentroid(v); }"))
+          .find("InterpolationFunction"),
+      std::string::npos);
   Words version = good;
   version[1] = 0x00020000;
   EXPECT_NE(error_of(kVertex, version).find("version"), std::string::npos);
@@ -211,10 +239,12 @@ OpFunctionEnd
 
 TEST(SpirvStage, FunctionInliningIsBounded) {  // 2^30 calls
   std::string text;
-  for (int i = 30; i-- > 0;) text = "void f" + std::to_string(i) + "() { f" + std::to_string(i + 1) + "(); f" + std::to_string(i + 1) + "(); }\n" + text;
+  for (int i = 30; i-- > 0;)
+    text = "void f" + std::to_string(i) + "() { f" + std::to_string(i + 1) + "(); f" + std::to_string(i + 1) + "(); }\n" + text;
   std::string forward;
   for (int i = 0; i <= 30; ++i) forward += "void f" + std::to_string(i) + "();\n";
-  const Words words = glsl(kCompute, "layout(set = 0, binding = 0) buffer D { uint d; };\n" + forward + text + "void f30() { d += 1u; }\nvoid main() { f0(); }");
+  const Words words = glsl(kCompute, "layout(set = 0, binding = 0) buffer D { uint d; };\n" + forward + text +
+                                         "void f30() { d += 1u; }\nvoid main() { f0(); }");
   EXPECT_NE(error_of(kCompute, words).find("too large"), std::string::npos);
 }
 

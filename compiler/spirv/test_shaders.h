@@ -1,5 +1,5 @@
-// What the translator's tests share: GLSL or SPIR-V text to words by the SDK's own tools, a stage whose inputs, outputs and buffers are plain
-// memory, and runs in both modes of the evaluator.
+// What the translator's tests share: GLSL or SPIR-V text to words by the SDK's own tools, a stage whose inputs, outputs and
+// buffers are plain memory, and runs in both modes of the evaluator.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ namespace pineda::spirv::test {
 
 using Words = std::vector<uint32_t>;
 
-// Runs `command` with `text` as standard input and reads the words that it writes to the file named in its %s.
-inline Words run_tool(const std::string& tool, const std::string& options, const std::string& text) {
+// Runs a tool that reads `text` from its standard input and gives the words that it writes.
+inline Words run_tool_now(const std::string& tool, const std::string& options, const std::string& text) {
   char path[] = "/tmp/pineda-test-XXXXXX";
   const int file = mkstemp(path);
   if (file < 0) return {};
@@ -48,6 +48,14 @@ inline Words run_tool(const std::string& tool, const std::string& options, const
   std::remove(path);
   std::remove(log.c_str());
   return words;
+}
+
+// Starting a tool takes longer than everything else here, so equal texts are compiled once.
+inline Words run_tool(const std::string& tool, const std::string& options, const std::string& text) {
+  static std::map<std::string, Words> done;
+  const auto [found, is_new] = done.emplace(tool + options + text, Words());
+  if (is_new) found->second = run_tool_now(tool, options, text);
+  return found->second;
 }
 
 inline Words glsl(VkShaderStageFlagBits stage, const std::string& text, const std::string& target = "vulkan1.0") {
@@ -75,14 +83,14 @@ class FakeStage final : public StageInterface {
 
   Input input_value = [](uint32_t, const InterfaceScalar&) { return 0u; };
   static constexpr uint32_t kShared = 9000;
-  std::map<uint32_t, Buffer> buffers;      // key: set * 100 + binding * 10 + array index; 9999: push constants
+  std::map<uint32_t, Buffer> buffers;  // key: set * 100 + binding * 10 + array index; 9999: push constants
   uint32_t active = 0xffff, coverage = 0xffff;
   Words shared;
   std::vector<SampleRequest> samples;
   std::vector<ImageQuery> queries;
   std::vector<ImageAccess> loads, stores;
   std::vector<Output> outputs;
-  uint32_t discarded = 0;                  // lanes, after a run
+  uint32_t discarded = 0;  // lanes, after a run
 
   // ---- StageInterface ----
   ir::Value input(ir::Builder& b, const InterfaceScalar& in) override {
@@ -102,7 +110,8 @@ class FakeStage final : public StageInterface {
     if (!buffers.contains(key)) return std::nullopt;
     const ir::Value entry = b.imul(b.iadd(array_index, b.i32(key)), b.i32(sizeof(Entry)));
     const ir::Value base = b.load(ir::Type::kPtr, {.base = b.draw_ptr(), .offset = entry}, ir::kInvariant | ir::kSpeculate);
-    const ir::Value size = b.load(ir::Type::kI32, {.base = b.draw_ptr(), .offset = b.iadd(entry, b.i32(8))}, ir::kInvariant | ir::kSpeculate);
+    const ir::Value size =
+        b.load(ir::Type::kI32, {.base = b.draw_ptr(), .offset = b.iadd(entry, b.i32(8))}, ir::kInvariant | ir::kSpeculate);
     return BufferRef{.base = base, .size_bytes = size};
   }
   // A made-up texture: (u, v + 10 * w, LOD, depth reference + 100 * layer component).
@@ -245,11 +254,12 @@ inline std::string run(FakeStage& fake, VkShaderStageFlagBits stage, const Words
 inline uint32_t word(float v) { return std::bit_cast<uint32_t>(v); }
 inline float real(uint32_t v) { return std::bit_cast<float>(v); }
 
-// A compute shader of 16 invocations over `data`, which is binding 0: `buffer Data { uint/float d[]; }`. `lane` is the invocation's number.
+// A compute shader of 16 invocations over `data`, which is binding 0: `buffer Data { uint/float d[]; }`. `lane` is the
+// invocation's number.
 inline Words compute_words(const std::string& body, const std::string& type = "uint", const std::string& globals = "") {
-  return glsl(VK_SHADER_STAGE_COMPUTE_BIT, "layout(local_size_x = 16) in;\nlayout(std430, set = 0, binding = 0) buffer Data { " + type +
-                                               " d[]; };\n" + globals + "\nvoid main() { uint lane = gl_LocalInvocationIndex;\n" + body +
-                                               "\n}\n");
+  return glsl(VK_SHADER_STAGE_COMPUTE_BIT, "layout(local_size_x = 16) in;\nlayout(std430, set = 0, binding = 0) buffer Data { " +
+                                               type + " d[]; };\n" + globals +
+                                               "\nvoid main() { uint lane = gl_LocalInvocationIndex;\n" + body + "\n}\n");
 }
 
 inline Words compute(const std::string& body, Words data, const std::string& type = "uint", const std::string& globals = "",

@@ -1,9 +1,11 @@
-// SPIR-V -> IR. The entry point is inlined, as straight IR, at the place where a kernel's Builder stands; a StageInterface answers
-// what only the kernel knows (where inputs come from, how an image is sampled). So fetch, shader and blending are one kernel for the
-// passes to optimise.
+// SPIR-V -> IR. The entry point is inlined, as straight IR, at the place where a kernel's Builder stands; a StageInterface
+// answers what only the kernel knows (where inputs come from, how an image is sampled). So fetch, shader and blending are one
+// kernel for the passes to optimise.
 //
 // Input is untrusted: any word sequence gives an error or IR that verify() accepts, never a crash or a read outside `words`.
 #pragma once
+
+#include <vulkan/vulkan_core.h>
 
 #include <map>
 #include <memory>
@@ -12,16 +14,14 @@
 #include <string>
 #include <vector>
 
-#include <vulkan/vulkan_core.h>
-
 #include "compiler/error.h"
 #include "compiler/ir/builder.h"
 
 namespace pineda::spirv {
 
 struct SpecializationConstant {
-  uint32_t id;                     // SpecId
-  std::vector<uint8_t> bytes;      // 1, 2, 4 or 8
+  uint32_t id;                 // SpecId
+  std::vector<uint8_t> bytes;  // 1, 2, 4 or 8
 };
 
 struct ShaderSource {
@@ -32,9 +32,29 @@ struct ShaderSource {
 };
 
 enum class BuiltIn : uint8_t {
-  kPosition, kPointSize, kVertexIndex, kInstanceIndex, kBaseVertex, kBaseInstance, kDrawIndex, kFragCoord, kFrontFacing,
-  kPointCoord, kPrimitiveId, kLayer, kViewportIndex, kSampleId, kSamplePosition, kSampleMask, kFragDepth, kHelperInvocation,
-  kNumWorkgroups, kWorkgroupId, kLocalInvocationId, kGlobalInvocationId, kLocalInvocationIndex
+  kPosition,
+  kPointSize,
+  kVertexIndex,
+  kInstanceIndex,
+  kBaseVertex,
+  kBaseInstance,
+  kDrawIndex,
+  kFragCoord,
+  kFrontFacing,
+  kPointCoord,
+  kPrimitiveId,
+  kLayer,
+  kViewportIndex,
+  kSampleId,
+  kSamplePosition,
+  kSampleMask,
+  kFragDepth,
+  kHelperInvocation,
+  kNumWorkgroups,
+  kWorkgroupId,
+  kLocalInvocationId,
+  kGlobalInvocationId,
+  kLocalInvocationIndex
 };
 
 enum class Interpolation : uint8_t { kPerspective, kNoPerspective, kFlat };
@@ -44,8 +64,8 @@ enum class InterpolationAt : uint8_t { kCenter, kCentroid, kSample };
 struct InterfaceScalar {
   std::optional<BuiltIn> built_in;  // then component is its element and location is unused
   uint32_t location = 0;
-  uint32_t component = 0;           // 0..3
-  uint32_t index = 0;               // fragment outputs: 1 = second source of dual-source blending
+  uint32_t component = 0;  // 0..3
+  uint32_t index = 0;      // fragment outputs: 1 = second source of dual-source blending
   ir::Type type = ir::Type::kF32;
   Interpolation interpolation = Interpolation::kPerspective;
   InterpolationAt at = InterpolationAt::kCenter;
@@ -53,8 +73,8 @@ struct InterfaceScalar {
 };
 
 struct BufferRef {
-  ir::Value base;        // Ptr, draw rate unless the binding is indexed by a varying value
-  ir::Value size_bytes;  // I32
+  ir::Value base;          // Ptr, draw rate unless the binding is indexed by a varying value
+  ir::Value size_bytes;    // I32
   bool read_only = false;  // uniform buffers: loads are kInvariant
 };
 
@@ -68,37 +88,37 @@ enum class LodMode : uint8_t { kImplicit, kBias, kExplicit, kGradient, kFetch };
 
 struct SampleRequest {
   ImageRef image;
-  ImageRef sampler;              // equal to image for a combined image sampler
-  VkImageViewType view_type;     // what the shader declared
+  ImageRef sampler;                  // equal to image for a combined image sampler
+  VkImageViewType view_type;         // what the shader declared
   ir::Type result = ir::Type::kF32;  // kF32 or kI32
   LodMode lod_mode = LodMode::kImplicit;
   std::array<ir::Value, 4> coord{};  // u, v, w/face.., then layer; I32 for kFetch; projective division already done
-  ir::Value lod;                 // bias, explicit LOD (F32) or fetch level (I32)
+  ir::Value lod;                     // bias, explicit LOD (F32) or fetch level (I32)
   std::array<ir::Value, 3> ddx{}, ddy{};
-  std::array<int32_t, 3> offset{};   // constant texel offset
-  ir::Value depth_reference;     // set: comparison sampling
-  int32_t gather_component = -1; // 0..3: gather
+  std::array<int32_t, 3> offset{};  // constant texel offset
+  ir::Value depth_reference;        // set: comparison sampling
+  int32_t gather_component = -1;    // 0..3: gather
 };
 
 struct ImageQuery {
   // What the four values of the answer are:
   enum class Kind : uint8_t {
-    kSize,     // I32 width, height, depth, array layers (a cube array counts faces; the translator divides)
-    kLevels,   // I32 level count, -, -, -
-    kLod,      // F32 level that would be accessed, LOD relative to the base level, -, -
-    kSamples   // I32 sample count, -, -, -
+    kSize,    // I32 width, height, depth, array layers (a cube array counts faces; the translator divides)
+    kLevels,  // I32 level count, -, -, -
+    kLod,     // F32 level that would be accessed, LOD relative to the base level, -, -
+    kSamples  // I32 sample count, -, -, -
   } kind;
   ImageRef image;
-  ir::Value lod;                 // kSize of a mipmapped image (I32); unset: level 0
-  ImageRef sampler;              // kLod
+  ir::Value lod;                                      // kSize of a mipmapped image (I32); unset: level 0
+  ImageRef sampler;                                   // kLod
   VkImageViewType view_type = VK_IMAGE_VIEW_TYPE_2D;  // what the shader declared
-  std::array<ir::Value, 4> coord{};  // kLod: u, v, w without the layer
+  std::array<ir::Value, 4> coord{};                   // kLod: u, v, w without the layer
 };
 
-struct ImageAccess {             // storage images
+struct ImageAccess {  // storage images
   ImageRef image;
   VkImageViewType view_type;
-  VkFormat format;               // declared in the shader, or VK_FORMAT_UNDEFINED
+  VkFormat format;  // declared in the shader, or VK_FORMAT_UNDEFINED
   ir::Type component = ir::Type::kF32;
   std::array<ir::Value, 4> coord{};
 };
@@ -128,17 +148,18 @@ class StageInterface {
 // What a pipeline must know before kernels are built.
 struct ImageUse {
   ImageRef image, sampler;
-  bool sampled = false;          // with a sampler (also fetch); otherwise storage
+  bool sampled = false;  // with a sampler (also fetch); otherwise storage
   VkImageViewType view_type;
 };
 
 struct ModuleInfo {
-  std::vector<InterfaceScalar> inputs, outputs;   // that the entry point's static call tree declares, in (location, component) order
+  std::vector<InterfaceScalar> inputs,
+      outputs;  // that the entry point's static call tree declares, in (location, component) order
   std::vector<ImageUse> images;
-  std::array<uint32_t, 3> local_size{1, 1, 1};    // specialised
+  std::array<uint32_t, 3> local_size{1, 1, 1};  // specialised
   uint32_t shared_memory_bytes = 0;
-  bool uses_discard = false;     // OpKill, OpTerminateInvocation, OpDemoteToHelper
-  bool writes_memory = false;    // storage buffers, images or atomics
+  bool uses_discard = false;   // OpKill, OpTerminateInvocation, OpDemoteToHelper
+  bool writes_memory = false;  // storage buffers, images or atomics
   bool early_fragment_tests = false;
   bool writes_depth = false;
   bool uses_derivatives = false;
@@ -147,7 +168,9 @@ struct ModuleInfo {
 
 class Module;  // parsed and checked; immutable
 
-struct ModuleDeleter { void operator()(Module*) const; };
+struct ModuleDeleter {
+  void operator()(Module*) const;
+};
 using ModulePtr = std::unique_ptr<Module, ModuleDeleter>;
 
 // Parses, checks structure and capabilities, applies specialization.
@@ -155,7 +178,7 @@ Result<ModulePtr> parse(const ShaderSource& source);
 const ModuleInfo& info(const Module& module);
 
 struct Translation {
-  ir::Value discarded;           // B1, lanes that OpKill (or demote) ended; unset when info().uses_discard is false
+  ir::Value discarded;  // B1, lanes that OpKill (or demote) ended; unset when info().uses_discard is false
 };
 
 // Inlines the entry point at `b`. On error the kernel under construction must be thrown away.

@@ -26,8 +26,8 @@ Translator::Record& Translator::fresh(const Instruction& inst) {
   return r;
 }
 
-// A value of a region that is closed by now reaches us through variables. They are set at the region's end: its lanes there are those that
-// made the value, and in a loop the last iteration wins, which is what SPIR-V's dominance rule means.
+// A value of a region that is closed by now reaches us through variables. They are set at the region's end: its lanes there are
+// those that made the value, and in a loop the last iteration wins, which is what SPIR-V's dominance rule means.
 void Translator::escape(const Instruction& inst, Record& r) {
   const ir::RegionId here = b.region();
   const auto insts = [&]() -> std::vector<ir::Value>& { return b.kernel().regions[r.region].insts; };
@@ -93,7 +93,8 @@ Values Translator::integers(const Instruction& inst, uint32_t word) {
   return typed(inst, word, ir::is_int, "an integer scalar or vector");
 }
 Values Translator::bools(const Instruction& inst, uint32_t word) {
-  return typed(inst, word, [](ir::Type t) { return t == ir::Type::kB1; }, "a bool scalar or vector");
+  return typed(
+      inst, word, [](ir::Type t) { return t == ir::Type::kB1; }, "a bool scalar or vector");
 }
 
 ir::Value Translator::scalar(const Instruction& inst, uint32_t word, ir::Type type) {
@@ -205,15 +206,18 @@ ir::Value Translator::lanes_with_effects() {
 
 void Translator::effect(const std::function<void()>& body) {
   found_.writes_memory = true;
-  if (const ir::Value lanes = lanes_with_effects()) b.if_(lanes, body);
-  else body();
+  if (const ir::Value lanes = lanes_with_effects())
+    b.if_(lanes, body);
+  else
+    body();
 }
 
 ir::Value Translator::effect_value(ir::Type type, const std::function<ir::Value()>& body) {
   found_.writes_memory = true;
   const ir::Value lanes = lanes_with_effects();
   if (!lanes) return body();
-  return b.if_else(lanes, {type}, [&] { return std::vector{body()}; }, [&] { return std::vector{b.zero(type)}; })[0];
+  return b.if_else(
+      lanes, {type}, [&] { return std::vector{body()}; }, [&] { return std::vector{b.zero(type)}; })[0];
 }
 
 void Translator::discard() { b.set(killed_, b.b1(true)); }

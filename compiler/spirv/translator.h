@@ -1,10 +1,11 @@
-// Turns a Module's call tree into IR at a Builder's place. This class holds what instructions share: what each id stands for, the memory of
-// variables, and checked access to operands. The instructions themselves are handlers (opcodes.h) in arith.cpp, memory.cpp, image.cpp ...;
-// control flow is flow.h.
+// Turns a Module's call tree into IR at a Builder's place. This class holds what instructions share: what each id stands for, the
+// memory of variables, and checked access to operands. The instructions themselves are handlers (opcodes.h) in arith.cpp,
+// memory.cpp, image.cpp ...; control flow is flow.h.
 #pragma once
 
 #include <functional>
 
+#include "compiler/spirv/flat_memory.h"
 #include "compiler/spirv/module.h"
 
 namespace pineda::spirv {
@@ -12,25 +13,25 @@ namespace pineda::spirv {
 using Values = std::vector<ir::Value>;  // one for each scalar, see module.h "Flattening"
 
 // Bounds on the IR that one translation may make (functions are inlined, so a small module can ask for much).
-inline constexpr uint32_t kMaxInstructions = 1u << 20;        // SPIR-V instructions, counted at each inlining
+inline constexpr uint32_t kMaxInstructions = 1u << 20;  // SPIR-V instructions, counted at each inlining
 inline constexpr uint32_t kMaxIrInstructions = 1u << 22;
-inline constexpr uint32_t kMaxVars = 1u << 14;                // scalar variables
-inline constexpr uint32_t kMaxLocalScalars = 1u << 15;        // in dynamically indexed arrays
-inline constexpr uint32_t kMaxValueScalars = 1u << 22;        // of all values
-inline constexpr uint32_t kMaxNesting = 192;                  // Ifs and Loops; kernels add a few, ir::kMaxRegionDepth is 256
+inline constexpr uint32_t kMaxVars = 1u << 14;          // scalar variables
+inline constexpr uint32_t kMaxLocalScalars = 1u << 15;  // in dynamically indexed arrays
+inline constexpr uint32_t kMaxValueScalars = 1u << 22;  // of all values
+inline constexpr uint32_t kMaxNesting = 192;            // Ifs and Loops; kernels add a few, ir::kMaxRegionDepth is 256
 
 // Where a pointer points. Flat memory (Function, Private, Input, Output, Workgroup) is counted in scalars, buffers in bytes.
 struct Pointer {
-  uint32_t variable = 0;   // id of the OpVariable
-  uint32_t pointee = 0;    // type id
+  uint32_t variable = 0;  // id of the OpVariable
+  uint32_t pointee = 0;   // type id
   spv::StorageClass storage = spv::StorageClassFunction;
-  uint32_t offset = 0;           // static part
-  ir::Value index;               // dynamic part of the offset, same unit; or unset
-  uint32_t descriptor = 0;       // element of an array of descriptors
-  ir::Value descriptor_index;    // its dynamic part, or unset (buffers only)
-  uint32_t matrix_stride_bytes = 0;    // of the struct member that holds the matrix; 0 = none
+  uint32_t offset = 0;               // static part
+  ir::Value index;                   // dynamic part of the offset, same unit; or unset
+  uint32_t descriptor = 0;           // element of an array of descriptors
+  ir::Value descriptor_index;        // its dynamic part, or unset (buffers only)
+  uint32_t matrix_stride_bytes = 0;  // of the struct member that holds the matrix; 0 = none
   bool row_major = false;
-  uint32_t component_stride_bytes = 4; // of a vector: not 4 for a column of a row-major matrix
+  uint32_t component_stride_bytes = 4;  // of a vector: not 4 for a column of a row-major matrix
 };
 
 // A loaded image, sampler, or both.
@@ -66,7 +67,7 @@ class Translator {
   void define(const Instruction& inst, Values values);  // checks count and types against the result type
   void define(const Instruction& inst, const Pointer& pointer);
   void define(const Instruction& inst, const Opaque& opaque);
-  void alias(const Instruction& inst, uint32_t word);   // result = whatever operand `word` is
+  void alias(const Instruction& inst, uint32_t word);                 // result = whatever operand `word` is
   void bind(uint32_t to_id, const Instruction& inst, uint32_t word);  // a parameter = an argument
 
   // ---- arithmetic that NoContraction reaches ----
@@ -80,45 +81,38 @@ class Translator {
   void store(const Instruction& inst, const Pointer& to, const Values& values);
   ir::Address address(const Instruction& inst, const Pointer& to, uint32_t extra_bytes = 0);  // of a buffer or shared memory
   BufferRef buffer(const Instruction& inst, const Pointer& p);
-  bool is_writable(const Pointer& p) const;             // of a buffer: a storage buffer
-  void declare_local(const Instruction& inst);          // OpVariable in a function
+  bool is_writable(const Pointer& p) const;     // of a buffer: a storage buffer
+  void declare_local(const Instruction& inst);  // OpVariable in a function
 
   // ---- effects and lanes ----
   bool is_fragment() const { return m.stage == VK_SHADER_STAGE_FRAGMENT_BIT; }
   // Runs `body` for the lanes whose effects count: a fragment shader's helper and discarded invocations write nothing.
   void effect(const std::function<void()>& body);
   ir::Value effect_value(ir::Type type, const std::function<ir::Value()>& body);  // zero for the other lanes
-  ir::Value lanes_with_effects();  // B1; unset when every lane has
+  ir::Value lanes_with_effects();                                                 // B1; unset when every lane has
   void discard();
   ir::Var killed() const { return killed_; }  // local unset when the module has no discard
   ModuleInfo& found() { return found_; }
 
   // ---- regions: every If and Loop is opened through these, so that values know where they are usable ----
-  void in_if(const Instruction& inst, ir::Value cond, const std::function<void()>& then_body, const std::function<void()>& else_body);
+  void in_if(const Instruction& inst, ir::Value cond, const std::function<void()>& then_body,
+             const std::function<void()>& else_body);
   void in_loop(const Instruction& inst, const std::function<ir::Value()>& body);  // body returns `again`
   ir::Var variable(const Instruction& inst, ir::Type type);
-  void instruction(const Instruction& inst);   // dispatches one instruction of a block
-  void call(const Instruction& inst);          // OpFunctionCall: inlines
+  void instruction(const Instruction& inst);  // dispatches one instruction of a block
+  void call(const Instruction& inst);         // OpFunctionCall: inlines
   ir::Var& phi_var(const Instruction& phi, uint32_t scalar, ir::Type type);
-  void set_return(const Instruction& inst);    // OpReturnValue
+  void set_return(const Instruction& inst);  // OpReturnValue
 
  private:
   enum class RecordKind : uint8_t { kNone, kValues, kPointer, kOpaque };
   struct Record {
     RecordKind kind = RecordKind::kNone;
     ir::RegionId region = 0;
-    uint32_t detail = 0;          // index in pointers_ or opaques_
-    Values values;                // kPointer: {index, descriptor_index}, either may be unset
-    std::vector<ir::Var> escaped; // filled when it is used where `region` is closed; parallel to values
+    uint32_t detail = 0;           // index in pointers_ or opaques_
+    Values values;                 // kPointer: {index, descriptor_index}, either may be unset
+    std::vector<ir::Var> escaped;  // filled when it is used where `region` is closed; parallel to values
   };
-  // The memory of a Function, Private, Input or Output variable.
-  struct Storage {
-    std::vector<ir::Type> types;       // of each scalar
-    std::vector<ir::Value> constants;  // inputs that are not indexed dynamically: their values
-    std::vector<ir::Var> vars;         // others that are not: one each
-    std::array<ir::Value, 3> arrays;   // indexed dynamically: a Local for each scalar type, index = scalar
-  };
-
   Record& record(const Instruction& inst, uint32_t id);
   Record& fresh(const Instruction& inst);
   Values usable(const Instruction& inst, Record& record);
@@ -133,9 +127,7 @@ class Translator {
   void input_variable(const Instruction& inst, const Variable& v);
   void allocate(const Instruction& inst, const Variable& v);
   void initialise(const Variable& v);
-  Storage& storage(const Instruction& inst, const Pointer& p);
-  static uint32_t array_slot(ir::Type type);
-  static ir::Value array_of(const Instruction& inst, const Storage& s, ir::Type type);
+  const FlatMemory& flat(const Instruction& inst, const Pointer& p) const;
   Values load_flat(const Instruction& inst, const Pointer& from);
   void store_flat(const Instruction& inst, const Pointer& to, const Values& values);
   Values load_memory(const Instruction& inst, const Pointer& from);
@@ -145,10 +137,10 @@ class Translator {
   std::vector<Record> records_;  // by index of the defining instruction
   std::vector<Pointer> pointers_;
   std::vector<Opaque> opaques_;
-  std::unordered_map<uint32_t, Storage> storage_;
-  std::unordered_map<uint32_t, BufferRef> buffers_;           // of bindings that are not arrays
-  std::unordered_map<uint32_t, std::vector<ir::Var>> phis_;   // by phi id
-  std::vector<ir::RegionId> open_;      // regions around the current place, outermost first
+  std::unordered_map<uint32_t, FlatMemory> flat_;
+  std::unordered_map<uint32_t, BufferRef> buffers_;                 // of bindings that are not arrays
+  std::unordered_map<uint32_t, std::vector<ir::Var>> phis_;         // by phi id
+  std::vector<ir::RegionId> open_;                                  // regions around the current place, outermost first
   std::vector<std::vector<ir::Var>> returns_;                       // of each function on the call stack
   std::unordered_map<uint32_t, std::vector<ir::Var>> return_vars_;  // by function id
   ir::Value shared_;

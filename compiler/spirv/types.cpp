@@ -63,7 +63,8 @@ void image(const Module& m, Type& t, const Instruction& inst) {
              .format = inst.word_as<spv::ImageFormat>(8)};
   if (texel.kind != TypeKind::kFloat && texel.kind != TypeKind::kInt) inst.fail("the sampled type must be a 32-bit number");
   if (inst.word(7) != 1 && inst.word(7) != 2) inst.fail("Sampled must be 1 or 2 in Vulkan");
-  const bool known = t.image.dim == spv::Dim1D || t.image.dim == spv::Dim2D || t.image.dim == spv::Dim3D || t.image.dim == spv::DimCube;
+  const bool known =
+      t.image.dim == spv::Dim1D || t.image.dim == spv::Dim2D || t.image.dim == spv::Dim3D || t.image.dim == spv::DimCube;
   if (!known) inst.fail("only 1D, 2D, 3D and Cube images are supported");
   if (t.image.dim == spv::Dim3D && t.image.arrayed) inst.fail("3D images cannot be arrayed");
 }
@@ -74,27 +75,45 @@ void declare_type(Module& m, const Instruction& inst) {
   Type t;
   t.id = inst.word(1);
   switch (inst.op()) {
-    case spv::OpTypeVoid: break;
-    case spv::OpTypeBool: t.kind = TypeKind::kBool; t.scalar = ir::Type::kB1; break;
+    case spv::OpTypeVoid:
+      break;
+    case spv::OpTypeBool:
+      t.kind = TypeKind::kBool;
+      t.scalar = ir::Type::kB1;
+      break;
     case spv::OpTypeInt:
-    case spv::OpTypeFloat: numeric(t, inst); break;
-    case spv::OpTypeVector: sequence(m, t, inst, TypeKind::kVector, inst.word(3)); break;
-    case spv::OpTypeMatrix: sequence(m, t, inst, TypeKind::kMatrix, inst.word(3)); break;
+    case spv::OpTypeFloat:
+      numeric(t, inst);
+      break;
+    case spv::OpTypeVector:
+      sequence(m, t, inst, TypeKind::kVector, inst.word(3));
+      break;
+    case spv::OpTypeMatrix:
+      sequence(m, t, inst, TypeKind::kMatrix, inst.word(3));
+      break;
     case spv::OpTypeArray: {
       const uint32_t count = m.constant_u32(inst, inst.word(3));
       if (count == 0) inst.fail("an array needs at least one element");
       sequence(m, t, inst, TypeKind::kArray, count);
       break;
     }
-    case spv::OpTypeRuntimeArray: sequence(m, t, inst, TypeKind::kRuntimeArray, 0); break;
-    case spv::OpTypeStruct: structure(m, t, inst); break;
+    case spv::OpTypeRuntimeArray:
+      sequence(m, t, inst, TypeKind::kRuntimeArray, 0);
+      break;
+    case spv::OpTypeStruct:
+      structure(m, t, inst);
+      break;
     case spv::OpTypePointer:
       t.kind = TypeKind::kPointer;
       t.storage = inst.word_as<spv::StorageClass>(2);
       t.element = element_type(m, inst, inst.word(3)).id;
       break;
-    case spv::OpTypeImage: image(m, t, inst); break;
-    case spv::OpTypeSampler: t.kind = TypeKind::kSampler; break;
+    case spv::OpTypeImage:
+      image(m, t, inst);
+      break;
+    case spv::OpTypeSampler:
+      t.kind = TypeKind::kSampler;
+      break;
     case spv::OpTypeSampledImage:
       t.kind = TypeKind::kSampledImage;
       t.element = element_type(m, inst, inst.word(2)).id;
@@ -105,7 +124,8 @@ void declare_type(Module& m, const Instruction& inst) {
       t.element = element_type(m, inst, inst.word(2)).id;
       for (uint32_t id : inst.from(3)) t.members.push_back(element_type(m, inst, id).id);
       break;
-    default: inst.fail("this type is not supported");
+    default:
+      inst.fail("this type is not supported");
   }
   if (t.is_scalar()) {
     t.is_value = true;
@@ -127,7 +147,8 @@ void declare_variable(Module& m, const Instruction& inst) {
   switch (storage) {
     case spv::StorageClassFunction:
     case spv::StorageClassPrivate:
-    case spv::StorageClassOutput: break;
+    case spv::StorageClassOutput:
+      break;
     case spv::StorageClassInput:
     case spv::StorageClassUniform:
     case spv::StorageClassStorageBuffer:
@@ -136,9 +157,13 @@ void declare_variable(Module& m, const Instruction& inst) {
     case spv::StorageClassWorkgroup:
       if (initializer != 0) inst.fail("a variable of this storage class cannot have an initializer here");
       break;
-    default: inst.fail("storage class " + std::to_string(storage) + " is not supported");
+    default:
+      inst.fail("storage class " + std::to_string(storage) + " is not supported");
   }
-  m.variables[inst.word(2)] = {.id = inst.word(2), .pointee = pointer.element, .storage = storage, .initializer = initializer,
+  m.variables[inst.word(2)] = {.id = inst.word(2),
+                               .pointee = pointer.element,
+                               .storage = storage,
+                               .initializer = initializer,
                                .offset_words = inst.offset_words()};
 }
 

@@ -1,7 +1,7 @@
-// What the entry point's call tree does with variables, found without translating: which are used, which scalars of outputs are written,
-// and which Function/Private/Input/Output variables are indexed by values that are not constant (those become arrays of the IR, the
-// others one Var for each scalar).
+// What the entry point's call tree does with variables, found without translating: which are used, which scalars of outputs are
+// written, and by which steps dynamic indices move through Function, Private, Input and Output variables (flat_memory.h).
 #include <algorithm>
+#include <numeric>
 
 #include "compiler/spirv/module.h"
 
@@ -40,10 +40,10 @@ class CallGraph {
 
 // Where a pointer points, as far as it is known statically.
 struct Root {
-  uint32_t id = 0;      // variable or parameter; 0 = neither
-  bool exact = true;    // first is the first scalar
+  uint32_t id = 0;    // variable or parameter; 0 = neither
+  bool exact = true;  // first is the first scalar
   uint64_t first = 0;
-  uint32_t type = 0;    // pointee
+  uint32_t type = 0;  // pointee
 };
 
 class FunctionUsage {
@@ -72,9 +72,10 @@ class FunctionUsage {
     return {};
   }
 
-  void mark_dynamic(const Root& r) {
-    if (const auto v = m_.variables.find(r.id); v != m_.variables.end()) v->second.dynamic = true;
-    if (const auto p = parameter_index_.find(r.id); p != parameter_index_.end()) f_.dynamic_parameters[p->second] = true;
+  void mark_dynamic(const Root& r, uint64_t step) {
+    const auto add = [&](uint32_t& to) { to = static_cast<uint32_t>(std::min<uint64_t>(std::gcd(uint64_t{to}, step), ~0u)); };
+    if (const auto v = m_.variables.find(r.id); v != m_.variables.end()) add(v->second.dynamic_step);
+    if (const auto p = parameter_index_.find(r.id); p != parameter_index_.end()) add(f_.parameter_steps[p->second]);
   }
 
   void write(const Root& r, bool whole = false) {
@@ -99,17 +100,18 @@ class FunctionUsage {
       const Type& t = m_.type(r.type);
       const Constant* constant = m_.constant(index_id);
       const uint32_t index = constant && !constant->scalars.empty() ? constant->scalars[0] : 0;
-      if (!constant) {
-        mark_dynamic(r);
-        r.exact = false;
-      }
       if (t.kind == TypeKind::kStruct) {
         if (!constant || index >= t.members.size()) inst.fail("a struct index must be a constant member number");
         r.first += t.first_scalar[index];
         r.type = t.members[index];
       } else {
-        if (t.element == 0 || t.is_scalar() || t.kind == TypeKind::kPointer) inst.fail("has more indices than its type has levels");
+        if (t.element == 0 || t.is_scalar() || t.kind == TypeKind::kPointer)
+          inst.fail("has more indices than its type has levels");
         r.type = t.element;
+        if (!constant) {
+          mark_dynamic(r, std::max<uint64_t>(m_.type(r.type).scalar_count, 1));
+          r.exact = false;
+        }
         r.first += static_cast<uint64_t>(index) * m_.type(r.type).scalar_count;
       }
     }
@@ -121,7 +123,7 @@ class FunctionUsage {
     if (inst.size() - 4 != callee.parameters.size()) inst.fail("has the wrong number of arguments");
     for (uint32_t i = 0; i < callee.parameters.size(); ++i) {
       const Root r = root(inst.word(4 + i));
-      if (callee.dynamic_parameters[i]) mark_dynamic(r);
+      if (callee.parameter_steps[i] != 0) mark_dynamic(r, callee.parameter_steps[i]);
       if (callee.written_parameters[i]) write(r, true);
     }
   }
@@ -129,24 +131,38 @@ class FunctionUsage {
   void instruction(const Instruction& inst) {
     switch (inst.op()) {
       case spv::OpAccessChain:
-      case spv::OpInBoundsAccessChain: access_chain(inst); break;
-      case spv::OpCopyObject: roots_[inst.word(2)] = root(inst.word(3)); break;
-      case spv::OpStore: write(root(inst.word(1))); break;
+      case spv::OpInBoundsAccessChain:
+        access_chain(inst);
+        break;
+      case spv::OpCopyObject:
+        roots_[inst.word(2)] = root(inst.word(3));
+        break;
+      case spv::OpStore:
+        write(root(inst.word(1)));
+        break;
       case spv::OpCopyMemory:
         write(root(inst.word(1)));
         root(inst.word(2));
         break;
-      case spv::OpFunctionCall: call(inst); break;
+      case spv::OpFunctionCall:
+        call(inst);
+        break;
       case spv::OpExtInst:  // Modf and Frexp write through their second operand; the others have no pointers
         if (inst.size() > 6) write(root(inst.word(6)));
         break;
       case spv::OpLoad:
       case spv::OpArrayLength:
-      case spv::OpImageTexelPointer: root(inst.word(3)); break;
-      case spv::OpAtomicStore: root(inst.word(1)); break;
+      case spv::OpImageTexelPointer:
+        root(inst.word(3));
+        break;
+      case spv::OpAtomicStore:
+        root(inst.word(1));
+        break;
       case spv::OpKill:
       case spv::OpTerminateInvocation:
-      case spv::OpDemoteToHelperInvocation: m_.info.uses_discard = true; break;
+      case spv::OpDemoteToHelperInvocation:
+        m_.info.uses_discard = true;
+        break;
       default:
         if (inst.op() >= spv::OpAtomicLoad && inst.op() <= spv::OpAtomicXor) root(inst.word(3));
         break;
