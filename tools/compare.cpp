@@ -143,8 +143,8 @@ class Comparer {
   void check_thresholds(const Difference& difference, std::vector<std::string>& problems) const {
     const ImageMetrics& metrics = difference.metrics;
     if (metrics.within_one_share < options_.threshold_share) {
-      problems.push_back(fmt::format("{}: {:.4f} % of the pixels are within 1/255 of {}, {:.4f} % are wanted", difference.driver,
-                                     100 * metrics.within_one_share, difference.reference, 100 * options_.threshold_share));
+      problems.push_back(fmt::format("{}: {} of the pixels are within 1/255 of {}, {:g} % are wanted", difference.driver,
+                                     percent_text(metrics.within_one_share), difference.reference, 100 * options_.threshold_share));
     }
     if (options_.largest_difference && metrics.largest_difference > *options_.largest_difference) {
       problems.push_back(fmt::format("{}: the largest difference from {} is {}/255, at most {}/255 is wanted", difference.driver,
@@ -158,7 +158,7 @@ class Comparer {
       if (run.error.empty()) text += fmt::format("  {} {:.2f} ms", run.driver, run.median_ms);
     }
     for (const Difference& difference : scene.differences) {
-      text += fmt::format("  {:.4f} % within 1/255, largest {}", 100 * difference.metrics.within_one_share,
+      text += fmt::format("  {} within 1/255, largest {}", percent_text(difference.metrics.within_one_share),
                           difference.metrics.largest_difference);
     }
     terminal_.line(text + (scene.problems.empty() ? "  ok" : "  FAILED"));

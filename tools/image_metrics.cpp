@@ -33,6 +33,11 @@ std::array<uint8_t, 3> difference_colour(uint32_t difference) {
 
 }  // namespace
 
+std::string percent_text(double share) {
+  if (share == 1) return "100 %";
+  return fmt::format("{:.4f} %", std::floor(share * 1e6) / 1e4);
+}
+
 ImageMetrics measure(const Image& a, const Image& b) {
   require_same_size(a, b);
   ImageMetrics metrics{.pixel_count = uint64_t{a.width} * a.height};

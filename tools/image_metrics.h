@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "tools/image.h"
 
@@ -17,6 +18,8 @@ struct ImageMetrics {
   double within_one_share = 0;  // pixels whose difference is at most 1/255
   uint64_t pixel_count = 0, beyond_one_count = 0;
 };
+
+std::string percent_text(double share);  // "99.9998 %": rounded down, so that only all of them are 100 %
 
 ImageMetrics measure(const Image& a, const Image& b);  // throws ToolError when the sizes differ
 

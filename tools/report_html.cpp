@@ -35,11 +35,6 @@ std::string escape(const std::string& text) {
   return result;
 }
 
-std::string percent(double share) {  // never rounds up to 100 what is not
-  if (share == 1) return "100 %";
-  return fmt::format("{:.4f} %", std::floor(share * 1e6) / 1e4);
-}
-
 std::string milliseconds(double value) { return value < 10 ? fmt::format("{:.3f}", value) : fmt::format("{:.1f}", value); }
 
 std::string psnr(double value_db) { return std::isinf(value_db) ? "∞ (equal)" : fmt::format("{:.1f} dB", value_db); }
@@ -121,7 +116,7 @@ class Page {
       }
       const ImageMetrics& metrics = difference->metrics;
       add("<td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td>", base.median_ms / scene.runs[i].median_ms,
-          percent(metrics.within_one_share), metrics.largest_difference, psnr(metrics.psnr_db));
+          percent_text(metrics.within_one_share), metrics.largest_difference, psnr(metrics.psnr_db));
     }
     add("<td>{}</td></tr>\n", verdict(scene.problems.empty()));
   }
@@ -185,7 +180,7 @@ class Page {
         add("<tr><td>{} against {}</td><td>{}/255</td><td>{:.4f}/255</td><td>{}</td><td>{:.4f} %</td><td>{}</td><td>{} of "
             "{}</td></tr>\n",
             escape(difference.driver), escape(difference.reference), metrics.largest_difference, metrics.rmse,
-            psnr(metrics.psnr_db), 100 * metrics.differing_share, percent(metrics.within_one_share), metrics.beyond_one_count,
+            psnr(metrics.psnr_db), 100 * metrics.differing_share, percent_text(metrics.within_one_share), metrics.beyond_one_count,
             metrics.pixel_count);
       }
     }
