@@ -144,7 +144,8 @@ class Comparer {
     const ImageMetrics& metrics = difference.metrics;
     if (metrics.within_one_share < options_.threshold_share) {
       problems.push_back(fmt::format("{}: {} of the pixels are within 1/255 of {}, {:g} % are wanted", difference.driver,
-                                     percent_text(metrics.within_one_share), difference.reference, 100 * options_.threshold_share));
+                                     percent_text(metrics.within_one_share), difference.reference,
+                                     100 * options_.threshold_share));
     }
     if (options_.largest_difference && metrics.largest_difference > *options_.largest_difference) {
       problems.push_back(fmt::format("{}: the largest difference from {} is {}/255, at most {}/255 is wanted", difference.driver,

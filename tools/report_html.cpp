@@ -180,8 +180,8 @@ class Page {
         add("<tr><td>{} against {}</td><td>{}/255</td><td>{:.4f}/255</td><td>{}</td><td>{:.4f} %</td><td>{}</td><td>{} of "
             "{}</td></tr>\n",
             escape(difference.driver), escape(difference.reference), metrics.largest_difference, metrics.rmse,
-            psnr(metrics.psnr_db), 100 * metrics.differing_share, percent_text(metrics.within_one_share), metrics.beyond_one_count,
-            metrics.pixel_count);
+            psnr(metrics.psnr_db), 100 * metrics.differing_share, percent_text(metrics.within_one_share),
+            metrics.beyond_one_count, metrics.pixel_count);
       }
     }
     add("</table></div>\n");
