@@ -31,6 +31,7 @@ TEST(Clients, OnlyTheLoaderInterfaceIsExported) {
 }
 
 struct BadInput {
+  const char* name;
   const char* arguments;
   const char* message;  // that must appear
 };
@@ -45,11 +46,12 @@ TEST_P(BadInputTest, GetsAClearError) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Clients, BadInputTest,
-                         testing::Values(BadInput{"compare --out /tmp/pineda-bad /no/such/model.glb", "/no/such/model.glb"},
-                                         BadInput{"compare --out /tmp/pineda-bad nonsense", "nonsense"},
-                                         BadInput{"render triangle --driver /no/such/driver.json", "driver"},
-                                         BadInput{"render triangle --size 0x10", "size"},
-                                         BadInput{"frobnicate", "frobnicate"}));
+                         testing::Values(BadInput{"MissingFile", "compare --out /tmp/pineda-bad /no/such/model.glb", "/no/such/model.glb"},
+                                         BadInput{"UnknownScene", "compare --out /tmp/pineda-bad nonsense", "nonsense"},
+                                         BadInput{"MissingDriver", "render triangle --driver /no/such/driver.json", "driver"},
+                                         BadInput{"EmptySize", "render triangle --size 0x10", "size"},
+                                         BadInput{"UnknownVerb", "frobnicate", "frobnicate"}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace pineda::tests
