@@ -60,15 +60,15 @@ size_t choice(const char* name, const char* const (&names)[N], const char* expec
 }
 
 void print_help() {
-  std::fprintf(stderr,
-               "Pineda's environment:\n"
-               "  PINEDA_THREADS=N                        threads, the caller's included (default: one per core)\n"
-               "  PINEDA_ISA=sse42|avx2|avx512            instruction set (default: the best that the CPU has; same bits)\n"
-               "  PINEDA_MODE=jit|f32|f64|check           machine code; evaluator; evaluator in double precision; both, compared\n"
-               "  PINEDA_PRECISION=fast|default|exact     polynomials of the transcendental functions\n"
-               "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
-               "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
-               "  PINEDA_DEBUG=flag,flag...\n");
+  std::fprintf(
+      stderr,
+      "Pineda's environment:\n"
+      "  PINEDA_THREADS=N                        threads, the caller's included (default: one per core)\n"
+      "  PINEDA_ISA=sse42|avx2|avx512            instruction set (default: the best that the CPU has; same bits)\n"
+      "  PINEDA_MODE=jit|f32|f64|check           machine code; evaluator; evaluator in double precision; both, compared\n"
+      "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
+      "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
+      "  PINEDA_DEBUG=flag,flag...\n");
   for (const FlagRow& row : kFlags) std::fprintf(stderr, "      %-12s %s\n", row.name, row.help);
 }
 
@@ -97,8 +97,6 @@ Config read_environment() {
   c.threads = number("PINEDA_THREADS", 256);
   c.isa = text("PINEDA_ISA");
   c.mode = static_cast<Mode>(choice("PINEDA_MODE", {"jit", "f32", "f64", "check"}, "jit, f32, f64 or check"));
-  constexpr Precision kPrecisions[] = {Precision::kDefault, Precision::kFast, Precision::kExact};
-  c.precision = kPrecisions[choice("PINEDA_PRECISION", {"default", "fast", "exact"}, "fast, default or exact")];
   constexpr uint32_t kTiles[] = {0, 16, 32, 64};
   c.tile_px = kTiles[choice("PINEDA_TILE", {"", "16", "32", "64"}, "16, 32 or 64")];
   c.debug = parse_debug(text("PINEDA_DEBUG"));

@@ -7,7 +7,6 @@
 namespace pineda {
 
 enum class Mode : uint8_t { kJit, kF32, kF64, kCheck };
-enum class Precision : uint8_t { kFast, kDefault, kExact };
 
 enum DebugFlag : uint32_t {
   kDebugIr = 1u << 0,        // final IR of each kernel
@@ -26,7 +25,6 @@ struct Config {
   uint32_t threads = 0;       // PINEDA_THREADS; 0 = one per core
   std::string isa;            // PINEDA_ISA; empty = best
   Mode mode = Mode::kJit;     // PINEDA_MODE=jit|f32|f64|check
-  Precision precision = Precision::kDefault;
   uint32_t tile_px = 0;       // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
   uint32_t debug = 0;         // DebugFlag bits
   std::string debug_dir;      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr

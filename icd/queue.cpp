@@ -1,10 +1,8 @@
 #include "icd/queue.h"
 
-#include <pthread.h>
-#include <signal.h>
-
 #include <system_error>
 
+#include "base/blocked_signals.h"
 #include "base/float_environment.h"
 #include "icd/api.h"
 #include "icd/command_buffer.h"
@@ -32,22 +30,6 @@ bool worth_a_thread(std::span<const VkSubmitInfo> batches) {
   }
   return cost_ns > kInlineCost_ns;
 }
-
-// A thread of the driver must not receive the application's signals: it is born with all of them blocked.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &saved_);
-  }
-  ~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &saved_, nullptr); }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-
- private:
-  sigset_t saved_;
-};
 
 }  // namespace
 

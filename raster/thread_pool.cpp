@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <exception>
+#include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "base/blocked_signals.h"
 #include "base/float_environment.h"
+#include "base/log.h"
 
 namespace pineda::raster {
 namespace {
@@ -49,6 +55,8 @@ struct ThreadPool::State {
   // The job; written only while the gate is closed and nobody is inside.
   const std::function<void(uint32_t, uint32_t)>* body = nullptr;
   uint32_t count = 0;
+  std::exception_ptr failure;  // valid once `failed` is set and the gate is closed
+  std::atomic<bool> failed{false};
 
   alignas(kLine) std::atomic<uint32_t> next{0};
   alignas(kLine) std::atomic<uint32_t> gate{0};
@@ -61,7 +69,12 @@ struct ThreadPool::State {
   void start_workers() {
     if (!workers.empty() || threads == 1) return;
     workers.reserve(threads - 1);
-    for (uint32_t i = 1; i < threads; ++i) workers.emplace_back([this, i] { work(i); });
+    const BlockedSignals blocked;
+    try {
+      for (uint32_t i = 1; i < threads; ++i) workers.emplace_back([this, i] { work(i); });
+    } catch (const std::system_error&) {
+      report(Severity::kWarning, "the system gives no more threads: going on with " + std::to_string(workers.size() + 1));
+    }
   }
 
   void announce() {
@@ -69,11 +82,17 @@ struct ThreadPool::State {
     if (sleepers.load() != 0) epoch.notify_all();
   }
 
+  // The first exception of a body (out of memory) ends the job; parallel_for throws it again on the caller.
   void run_indices(uint32_t thread) {
-    for (;;) {
-      const uint32_t index = next.fetch_add(1, std::memory_order_relaxed);
-      if (index >= count) return;
-      (*body)(index, thread);
+    try {
+      for (;;) {
+        const uint32_t index = next.fetch_add(1, std::memory_order_relaxed);
+        if (index >= count) return;
+        (*body)(index, thread);
+      }
+    } catch (...) {
+      next.store(count, std::memory_order_relaxed);
+      if (!failed.exchange(true)) failure = std::current_exception();
     }
   }
 
@@ -140,6 +159,7 @@ void ThreadPool::parallel_for(uint32_t count, const std::function<void(uint32_t,
   s.announce();
   s.run_indices(0);
   s.close_and_wait();
+  if (s.failed.exchange(false)) std::rethrow_exception(std::exchange(s.failure, nullptr));
 }
 
 }  // namespace pineda::raster

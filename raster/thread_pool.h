@@ -17,9 +17,10 @@ class ThreadPool {
   uint32_t threads() const;
 
   // Calls body(index, thread) for every index in [0, count), each once, and returns when all are done. thread < threads() names
-  // the running thread's scratch memory; the caller takes part as thread 0. Indices are handed out in ascending order. One job at
-  // a time: called from one thread (the queue's); not reentrant. `helpers` = false runs everything on the caller: for work that
-  // is shorter than a wake-up (some 10 us).
+  // the running thread's scratch memory; the caller takes part as thread 0. When a body throws, indices not yet handed out are
+  // dropped and the first exception is thrown again here. Indices are handed out in ascending order. One job at a time: called
+  // from one thread (the queue's); not reentrant. `helpers` = false runs everything on the caller: for work that is shorter than
+  // a wake-up (some 10 us).
   void parallel_for(uint32_t count, const std::function<void(uint32_t index, uint32_t thread)>& body, bool helpers = true);
 
  private:

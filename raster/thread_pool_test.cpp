@@ -57,6 +57,20 @@ TEST(ThreadPool, SetsTheFloatEnvironmentAndPutsItBack) {
   _mm_setcsr(before);
 }
 
+TEST(ThreadPool, AnExceptionReachesTheCallerAndThePoolGoesOn) {
+  ThreadPool pool(3);
+  for (int round = 0; round < 50; ++round) {
+    EXPECT_THROW(pool.parallel_for(100,
+                                   [](uint32_t i, uint32_t) {
+                                     if (i % 10 == 7) throw std::bad_alloc();
+                                   }),
+                 std::bad_alloc);
+    std::atomic<uint32_t> sum{0};
+    pool.parallel_for(10, [&](uint32_t i, uint32_t) { sum += i; });
+    EXPECT_EQ(sum.load(), 45u);
+  }
+}
+
 TEST(ThreadPool, DestructionWithoutWork) { ThreadPool pool(4); }
 
 }  // namespace
