@@ -5,7 +5,7 @@
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
-#include <llvm/Analysis/TargetLibraryInfo.h>
+#include <llvm/ADT/SmallVector.h>
 #include <llvm/IR/LegacyPassManager.h>
 #include <llvm/MC/MCContext.h>
 #include <llvm/MC/TargetRegistry.h>
@@ -21,8 +21,8 @@
 namespace pineda::jit {
 namespace {
 
-// CPU models of the x86-64 psABI: never the host's, so that a kernel's machine code depends on the ISA alone. `fast-gather` lets LLVM use AVX2's
-// gather instructions, which those models leave out for the sake of Haswell.
+// CPU models of the x86-64 psABI: never the host's, so that a kernel's machine code depends on the ISA alone. `fast-gather` lets
+// LLVM use AVX2's gather instructions, which those models leave out for the sake of Haswell.
 struct Target {
   const char* cpu;
   const char* features;
@@ -40,20 +40,34 @@ const Target& target_of(Isa isa) {
 
 constexpr const char* kTriple = "x86_64-unknown-linux-gnu";
 
-// Code generation passes that cost compile time and gain nothing on kernels: our IR has been optimised, addresses are simple, blocks are long and
-// loops are few. Measured on Sapphire Rapids, AVX-512 (a 26-instruction SAXPY; a 201-instruction lit fragment kernel; 4 bilinear taps):
+// Code generation passes that cost compile time and gain nothing on kernels: our IR has been optimised, addresses are simple,
+// blocks are long and loops are few. Measured on Sapphire Rapids, AVX-512 (a 26-instruction SAXPY; a 201-instruction lit fragment
+// kernel; 4 bilinear taps):
 //                            compile ms              run ns per wave
 //     LLVM's -O2 list        2.7    6.3   5.9        1.9   23.8   30.9
 //     without these          2.1    5.4   4.7        1.9   23.7   29.4
 //     no machine LICM too    2.0    5.2   4.6        2.7   23.4   30.3     (kept: it hoists constants out of short loops)
 //     no scheduler either    1.9    4.4   4.2        2.7   23.8   31.4     (kept: AVX2 spills 10 % more without)
-// LLVM has no interface for this other than its command line. This copy of LLVM is ours alone, so no other user's options are touched.
+// LLVM has no interface for this other than its command line. This copy of LLVM is ours alone, so no other user's options are
+// touched.
 void drop_useless_passes() {
-  static constexpr const char* kOptions[] = {
-      "pineda_jit", "-disable-lsr", "-disable-cgp", "-disable-machine-sink", "-disable-machine-cse", "-disable-early-taildup",
-      "-disable-tail-duplicate", "-disable-early-ifcvt", "-disable-postra-machine-licm", "-disable-postra-machine-sink",
-      "-disable-post-ra", "-disable-copyprop", "-disable-constant-hoisting", "-disable-partial-libcall-inlining",
-      "-disable-mergeicmps", "-disable-x86-domain-reassignment", "-disable-x86-lea-opt"};
+  static constexpr const char* kOptions[] = {"pineda_jit",
+                                             "-disable-lsr",
+                                             "-disable-cgp",
+                                             "-disable-machine-sink",
+                                             "-disable-machine-cse",
+                                             "-disable-early-taildup",
+                                             "-disable-tail-duplicate",
+                                             "-disable-early-ifcvt",
+                                             "-disable-postra-machine-licm",
+                                             "-disable-postra-machine-sink",
+                                             "-disable-post-ra",
+                                             "-disable-copyprop",
+                                             "-disable-constant-hoisting",
+                                             "-disable-partial-libcall-inlining",
+                                             "-disable-mergeicmps",
+                                             "-disable-x86-domain-reassignment",
+                                             "-disable-x86-lea-opt"};
   llvm::cl::ParseCommandLineOptions(static_cast<int>(std::size(kOptions)), kOptions);
 }
 
@@ -79,6 +93,35 @@ std::unique_ptr<llvm::TargetMachine> create_machine(Isa isa) {
       kTriple, target.cpu, target.features, options, llvm::Reloc::PIC_, llvm::CodeModel::Small, llvm::CodeGenOptLevel::Default));
   return machine;
 }
+
+// The code generator's passes, about 100 objects whose creation and scheduling take 0.35 ms: as long as running them on a small
+// kernel. So one list serves many modules, as LLVM allows (llc -run-twice tests it); a new one from time to time bounds what its
+// allocators keep.
+class ObjectEmitter {
+ public:
+  explicit ObjectEmitter(llvm::TargetMachine& machine) {
+    llvm::MCContext* context = nullptr;
+    usable_ = !machine.addPassesToEmitMC(passes_, context, stream_);
+  }
+
+  // Valid until the next run; empty when LLVM has no emitter.
+  llvm::StringRef run(llvm::Module& module) {
+    object_.clear();
+    ++runs_;
+    if (usable_) passes_.run(module);
+    return {object_.data(), object_.size()};
+  }
+
+  bool is_worn_out() const { return runs_ >= kMaxRuns; }
+
+ private:
+  static constexpr uint32_t kMaxRuns = 256;
+  llvm::SmallVector<char, 0> object_;
+  llvm::raw_svector_ostream stream_{object_};
+  llvm::legacy::PassManager passes_;
+  uint32_t runs_ = 0;
+  bool usable_ = false;
+};
 
 }  // namespace
 
@@ -123,14 +166,11 @@ void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_local
   }
 }
 
-llvm::SmallVector<char, 0> emit_object(llvm::Module& module, llvm::TargetMachine& machine) {
-  llvm::SmallVector<char, 0> object;
-  llvm::raw_svector_ostream stream(object);
-  llvm::legacy::PassManager passes;
-  llvm::MCContext* context = nullptr;
-  if (machine.addPassesToEmitMC(passes, context, stream)) return object;  // empty: no emitter
-  passes.run(module);
-  return object;
+llvm::StringRef emit_object(llvm::Module& module, Isa isa) {
+  thread_local std::array<std::unique_ptr<ObjectEmitter>, 3> emitters;
+  auto& emitter = emitters[static_cast<size_t>(isa)];
+  if (emitter == nullptr || emitter->is_worn_out()) emitter = std::make_unique<ObjectEmitter>(target_machine(isa));
+  return emitter->run(module);
 }
 
 std::string emit_assembly(const llvm::Module& module, llvm::TargetMachine& machine) {

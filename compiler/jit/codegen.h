@@ -1,11 +1,11 @@
 // LLVM IR -> passes -> an ELF object in memory. Internal to libpineda_jit.so.
 #pragma once
 
-#include <string>
-
-#include <llvm/ADT/SmallVector.h>
+#include <llvm/ADT/StringRef.h>
 #include <llvm/IR/Module.h>
 #include <llvm/Target/TargetMachine.h>
+
+#include <string>
 
 #include "compiler/jit/jit.h"
 
@@ -21,7 +21,7 @@ void set_function_target(llvm::Function& function, Isa isa);
 
 void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_locals);
 
-llvm::SmallVector<char, 0> emit_object(llvm::Module& module, llvm::TargetMachine& machine);
+llvm::StringRef emit_object(llvm::Module& module, Isa isa);                           // valid until this thread's next call
 std::string emit_assembly(const llvm::Module& module, llvm::TargetMachine& machine);  // text, from a copy
 
 }  // namespace pineda::jit

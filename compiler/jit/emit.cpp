@@ -1,10 +1,9 @@
 // The frame of a kernel (three loops, see base/abi.h) and the dispatch to the op families.
-#include "compiler/jit/emitter.h"
-
 #include <bit>
 
 #include "base/half.h"
 #include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
 
@@ -13,10 +12,17 @@ using ir::Type;
 
 Features features_of(Isa isa) {
   switch (isa) {
-    case Isa::kSse42: return {.vector_bits = 128};
-    case Isa::kAvx2: return {.fma = true, .half = true, .gathers = true, .masked_moves = true, .vector_bits = 256};
+    case Isa::kSse42:
+      return {.vector_bits = 128};
+    case Isa::kAvx2:
+      return {.fma = true, .half = true, .gathers = true, .masked_moves = true, .vector_bits = 256};
     case Isa::kAvx512:
-      return {.mask_registers = true, .fma = true, .half = true, .gathers = true, .masked_moves = true, .scatters = true,
+      return {.mask_registers = true,
+              .fma = true,
+              .half = true,
+              .gathers = true,
+              .masked_moves = true,
+              .scatters = true,
               .vector_bits = 512};
   }
   return {};
@@ -30,8 +36,13 @@ std::string symbol_name(const ir::Kernel& kernel) { return "pineda." + (kernel.n
 }  // namespace
 
 Emitter::Emitter(llvm::Module& module, const ir::Kernel& kernel, Isa isa)
-    : module_(module), context_(module.getContext()), kernel_(kernel), features_(features_of(isa)),
-      b_(context_), value_(kernel.insts.size()), splat_(kernel.insts.size()) {
+    : module_(module),
+      context_(module.getContext()),
+      kernel_(kernel),
+      features_(features_of(isa)),
+      b_(context_),
+      value_(kernel.insts.size()),
+      splat_(kernel.insts.size()) {
   for (ir::RegionId root : {kernel.draw, kernel.prim, kernel.wave}) {
     if (root == 0) continue;
     ir::for_each_inst(kernel, root, [&](ir::Value v) {
@@ -114,8 +125,8 @@ void Emitter::emit_wave_loop(V prim_record) {
   start(done);
 }
 
-// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), which is worth
-// knowing: their stores and loads need no mask at the top level.
+// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), which is
+// worth knowing: their stores and loads need no mask at the top level.
 void Emitter::emit_wave(llvm::BasicBlock* skip) {
   exec_ = {};
   if (kernel_.kind != ir::KernelKind::kFragment) {
@@ -142,21 +153,43 @@ void Emitter::emit_insts(ir::RegionId region) {
 // The value, or null for instructions that have none or set value_ themselves.
 Emitter::V Emitter::emit(const ir::Inst& inst, ir::Value id) {
   switch (inst.op) {
-    case Op::kLoad: return emit_load(inst);
-    case Op::kStore: emit_store(inst); return nullptr;
-    case Op::kAtomic: return emit_atomic(inst);
-    case Op::kLocal: clear_local(id); return nullptr;
-    case Op::kLocalLoad: return emit_local_load(inst);
-    case Op::kLocalStore: emit_local_store(inst); return nullptr;
-    case Op::kIf: emit_if(inst, id); return nullptr;
-    case Op::kLoop: emit_loop(inst, id); return nullptr;
-    case Op::kLoopArg: case Op::kYield: case Op::kResult: return nullptr;  // emit_loop and emit_if set their values
-    case Op::kUnpackMask: return emit_unpack_mask(inst);
-    case Op::kBallot: return emit_ballot(inst);
-    case Op::kQuadSwizzle: return emit_quad_swizzle(inst);
-    case Op::kSelect: return select(get(inst.operand[0], is_lane(inst.operand[0])), arg(inst, 1), arg(inst, 2));
-    case Op::kPtrAdd: return emit_ptr_add(inst);
-    default: break;
+    case Op::kLoad:
+      return emit_load(inst);
+    case Op::kStore:
+      emit_store(inst);
+      return nullptr;
+    case Op::kAtomic:
+      return emit_atomic(inst);
+    case Op::kLocal:
+      clear_local(id);
+      return nullptr;
+    case Op::kLocalLoad:
+      return emit_local_load(inst);
+    case Op::kLocalStore:
+      emit_local_store(inst);
+      return nullptr;
+    case Op::kIf:
+      emit_if(inst, id);
+      return nullptr;
+    case Op::kLoop:
+      emit_loop(inst, id);
+      return nullptr;
+    case Op::kLoopArg:
+    case Op::kYield:
+    case Op::kResult:
+      return nullptr;  // emit_loop and emit_if set their values
+    case Op::kUnpackMask:
+      return emit_unpack_mask(inst);
+    case Op::kBallot:
+      return emit_ballot(inst);
+    case Op::kQuadSwizzle:
+      return emit_quad_swizzle(inst);
+    case Op::kSelect:
+      return select(get(inst.operand[0], is_lane(inst.operand[0])), arg(inst, 1), arg(inst, 2));
+    case Op::kPtrAdd:
+      return emit_ptr_add(inst);
+    default:
+      break;
   }
   if (inst.op >= Op::kConst && inst.op <= Op::kLane) return emit_source(inst);
   if (inst.op >= Op::kIAdd && inst.op <= Op::kSLe) return emit_int(inst);
@@ -168,12 +201,18 @@ Emitter::V Emitter::emit(const ir::Inst& inst, ir::Value id) {
 
 Emitter::V Emitter::emit_source(const ir::Inst& inst) {
   switch (inst.op) {
-    case Op::kConst: return emit_constant(inst);
-    case Op::kDrawPtr: return draw_ptr_;
-    case Op::kThreadPtr: return thread_ptr_;
-    case Op::kPrimPtr: return prim_ptr_ != nullptr ? prim_ptr_ : fail("prim_ptr in the draw region", b_.getInt64Ty());
-    case Op::kWavePtr: return wave_ptr_ != nullptr ? wave_ptr_ : fail("wave_ptr outside the wave region", b_.getInt64Ty());
-    default: break;
+    case Op::kConst:
+      return emit_constant(inst);
+    case Op::kDrawPtr:
+      return draw_ptr_;
+    case Op::kThreadPtr:
+      return thread_ptr_;
+    case Op::kPrimPtr:
+      return prim_ptr_ != nullptr ? prim_ptr_ : fail("prim_ptr in the draw region", b_.getInt64Ty());
+    case Op::kWavePtr:
+      return wave_ptr_ != nullptr ? wave_ptr_ : fail("wave_ptr outside the wave region", b_.getInt64Ty());
+    default:
+      break;
   }
   std::vector<uint32_t> lanes(kLanes);
   for (uint32_t l = 0; l < kLanes; ++l) lanes[l] = l;
@@ -205,14 +244,24 @@ Emitter::V Emitter::fail(const std::string& text, llvm::Type* type) {
 llvm::Type* Emitter::element_type(Type t) const {
   llvm::LLVMContext& c = context_;
   switch (t) {
-    case Type::kVoid: return llvm::Type::getVoidTy(c);
-    case Type::kB1: return llvm::Type::getInt1Ty(c);
-    case Type::kI8: return llvm::Type::getInt8Ty(c);
-    case Type::kI16: case Type::kF16: return llvm::Type::getInt16Ty(c);
-    case Type::kI32: return llvm::Type::getInt32Ty(c);
-    case Type::kI64: case Type::kPtr: return llvm::Type::getInt64Ty(c);
-    case Type::kF32: return llvm::Type::getFloatTy(c);
-    case Type::kF64: return llvm::Type::getDoubleTy(c);
+    case Type::kVoid:
+      return llvm::Type::getVoidTy(c);
+    case Type::kB1:
+      return llvm::Type::getInt1Ty(c);
+    case Type::kI8:
+      return llvm::Type::getInt8Ty(c);
+    case Type::kI16:
+    case Type::kF16:
+      return llvm::Type::getInt16Ty(c);
+    case Type::kI32:
+      return llvm::Type::getInt32Ty(c);
+    case Type::kI64:
+    case Type::kPtr:
+      return llvm::Type::getInt64Ty(c);
+    case Type::kF32:
+      return llvm::Type::getFloatTy(c);
+    case Type::kF64:
+      return llvm::Type::getDoubleTy(c);
   }
   return nullptr;
 }
@@ -230,12 +279,13 @@ Emitter::V Emitter::scalar(ir::Value v) {
               element_type(kernel_.at(v).type));
 }
 
-// A uniform value is broadcast where it is defined, once: outside the wave loop for draw and prim rate. Registers being few, such vectors
-// are mostly spilled, and then a use costs a memory operand, where broadcasting at the use would cost a reload and a shuffle.
+// A uniform value is broadcast where it is defined, once: outside the wave loop for draw and prim rate. Registers being few, such
+// vectors are mostly spilled, and then a use costs a memory operand, where broadcasting at the use would cost a reload and a
+// shuffle.
 Emitter::V Emitter::vector(ir::Value v) {
   V value = value_[v.id];
-  if (value == nullptr) return fail("instruction " + std::to_string(v.id) + " is used before it has a value",
-                                    value_type(kernel_.at(v).type, true));
+  if (value == nullptr)
+    return fail("instruction " + std::to_string(v.id) + " is used before it has a value", value_type(kernel_.at(v).type, true));
   if (is_vector(value)) return value;
   if (llvm::isa<llvm::Constant>(value)) return broadcast_value(value);
   V& splat = splat_[v.id];
@@ -258,7 +308,8 @@ Emitter::V Emitter::broadcast_value(V scalar) {
 }
 
 llvm::Type* Emitter::with_element(llvm::Type* like, llvm::Type* element) const {
-  return like->isVectorTy() ? llvm::FixedVectorType::get(element, llvm::cast<llvm::FixedVectorType>(like)->getNumElements()) : element;
+  return like->isVectorTy() ? llvm::FixedVectorType::get(element, llvm::cast<llvm::FixedVectorType>(like)->getNumElements())
+                            : element;
 }
 
 Emitter::V Emitter::int_const(llvm::Type* like, uint64_t bits) { return llvm::ConstantInt::get(like, bits); }

@@ -1,7 +1,6 @@
 // Atomics: the active lanes one after the other, in lane order, sequentially consistent.
-#include "compiler/jit/emitter.h"
-
 #include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
 
@@ -12,15 +11,24 @@ namespace {
 
 RMW::BinOp rmw_op(AtomicOp op) {
   switch (op) {
-    case AtomicOp::kAdd: return RMW::Add;
-    case AtomicOp::kAnd: return RMW::And;
-    case AtomicOp::kOr: return RMW::Or;
-    case AtomicOp::kXor: return RMW::Xor;
-    case AtomicOp::kSMin: return RMW::Min;
-    case AtomicOp::kSMax: return RMW::Max;
-    case AtomicOp::kUMin: return RMW::UMin;
-    case AtomicOp::kUMax: return RMW::UMax;
-    default: return RMW::Xchg;
+    case AtomicOp::kAdd:
+      return RMW::Add;
+    case AtomicOp::kAnd:
+      return RMW::And;
+    case AtomicOp::kOr:
+      return RMW::Or;
+    case AtomicOp::kXor:
+      return RMW::Xor;
+    case AtomicOp::kSMin:
+      return RMW::Min;
+    case AtomicOp::kSMax:
+      return RMW::Max;
+    case AtomicOp::kUMin:
+      return RMW::UMin;
+    case AtomicOp::kUMax:
+      return RMW::UMax;
+    default:
+      return RMW::Xchg;
   }
 }
 

@@ -1,8 +1,7 @@
-// If and Loop. Lanes that disagree are handled by masks: both sides of an If run, each under its own mask, and are branched around when no lane wants
-// them; a Loop runs until its last lane leaves.
-#include "compiler/jit/emitter.h"
-
+// If and Loop. Lanes that disagree are handled by masks: both sides of an If run, each under its own mask, and are branched
+// around when no lane wants them; a Loop runs until its last lane leaves.
 #include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
 
@@ -18,15 +17,29 @@ std::vector<ir::Value> Emitter::results_of(ir::Value id) const {
 
 bool Emitter::is_trivial(ir::RegionId region) const { return kernel_.regions[region].insts.size() == 1; }
 
-// Whether the region may run for lanes that did not ask for it: no effects, no faults. Adds up about how many instructions it takes.
+// Whether the region may run for lanes that did not ask for it: no effects, no faults. Adds up about how many instructions it
+// takes.
 bool Emitter::is_flat(ir::RegionId region, uint32_t* cost) const {
   constexpr uint32_t kSlow = 6;  // division, square root, scalarised operations
   for (ir::Value v : kernel_.regions[region].insts) {
     const ir::Inst& inst = kernel_.at(v);
     switch (inst.op) {
-      case Op::kConst: case Op::kResult: case Op::kYield: case Op::kBitcast: break;
-      case Op::kFDiv: case Op::kFSqrt: case Op::kUDiv: case Op::kSDiv: case Op::kURem: case Op::kSRem: *cost += kSlow; break;
-      case Op::kFMa: *cost += features_.fma ? 1 : kSlow; break;
+      case Op::kConst:
+      case Op::kResult:
+      case Op::kYield:
+      case Op::kBitcast:
+        break;
+      case Op::kFDiv:
+      case Op::kFSqrt:
+      case Op::kUDiv:
+      case Op::kSDiv:
+      case Op::kURem:
+      case Op::kSRem:
+        *cost += kSlow;
+        break;
+      case Op::kFMa:
+        *cost += features_.fma ? 1 : kSlow;
+        break;
       case Op::kIf:
         *cost += 1;
         if (!is_flat(inst.region[0], cost) || !is_flat(inst.region[1], cost)) return false;
@@ -92,7 +105,8 @@ void Emitter::emit_divergent_if(const ir::Inst& inst, ir::Value id) {
   const std::vector<ir::Value> results = results_of(id);
   V cond = vector(inst.operand[0]);
   std::vector<V> then_values = emit_guarded_side(inst.region[0], exec_and(cond), results);
-  std::vector<V> else_values = emit_guarded_side(inst.region[1], is_trivial(inst.region[1]) ? nullptr : exec_and(mask_not(cond)), results);
+  std::vector<V> else_values =
+      emit_guarded_side(inst.region[1], is_trivial(inst.region[1]) ? nullptr : exec_and(mask_not(cond)), results);
   merge_sides(cond, results, then_values, else_values);
 }
 
@@ -104,7 +118,8 @@ void Emitter::merge_sides(V cond, const std::vector<ir::Value>& results, const s
   }
 }
 
-// One side of a divergent If under `mask`, skipped when no lane wants it; its values are then zero (nobody looks, but they must not be poison).
+// One side of a divergent If under `mask`, skipped when no lane wants it; its values are then zero (nobody looks, but they must
+// not be poison).
 std::vector<Emitter::V> Emitter::emit_guarded_side(ir::RegionId region, V mask, const std::vector<ir::Value>& results) {
   if (is_trivial(region)) return yielded_values(region, results, true);
   llvm::BasicBlock *before = b_.GetInsertBlock(), *side = block("side"), *join = block("join");
@@ -130,10 +145,10 @@ std::vector<Emitter::V> Emitter::emit_guarded_side(ir::RegionId region, V mask, 
 
 // ---- loop -----------------------------------------------------------------------------------------------------------------
 
-// A value carried round a loop. `arg` is what the body reads; `result` keeps each lane's last `next` when lanes leave at different times. Both are
-// the same phi where possible: blending then serves the body, too.
+// A value carried round a loop. `arg` is what the body reads; `result` keeps each lane's last `next` when lanes leave at
+// different times. Both are the same phi where possible: blending then serves the body, too.
 struct Emitter::Carried {
-  ir::Value arg, result, next;    // none where nobody reads it
+  ir::Value arg, result, next;  // none where nobody reads it
   llvm::PHINode* arg_phi = nullptr;
   llvm::PHINode* result_phi = nullptr;
 };

@@ -9,16 +9,22 @@ using ir::Type;
 Emitter::V Emitter::emit_convert(const ir::Inst& inst) {
   const Type from = kernel_.at(inst.operand[0]).type;
   switch (inst.op) {
-    case Op::kFToS: return float_to_int(arg(inst, 0), from, inst.type, true);
-    case Op::kFToU: return float_to_int(arg(inst, 0), from, inst.type, false);
-    case Op::kSToF: return int_to_float(arg(inst, 0), inst.type, true);
-    case Op::kUToF: return int_to_float(arg(inst, 0), inst.type, false);
-    case Op::kFConvert: return convert_float(arg(inst, 0), from, inst.type);
+    case Op::kFToS:
+      return float_to_int(arg(inst, 0), from, inst.type, true);
+    case Op::kFToU:
+      return float_to_int(arg(inst, 0), from, inst.type, false);
+    case Op::kSToF:
+      return int_to_float(arg(inst, 0), inst.type, true);
+    case Op::kUToF:
+      return int_to_float(arg(inst, 0), inst.type, false);
+    case Op::kFConvert:
+      return convert_float(arg(inst, 0), from, inst.type);
     case Op::kBitcast: {
       V a = arg(inst, 0);
       return b_.CreateBitCast(a, value_type(inst.type, is_vector(a)));
     }
-    default: return emit_int_convert(inst);
+    default:
+      return emit_int_convert(inst);
   }
 }
 
@@ -51,8 +57,8 @@ Emitter::V Emitter::f32_to_i32(V x) {
 }
 
 // max(x, 0) maps NaN and negative numbers to 0. AVX-512 has the unsigned conversion, all ones when out of range.
-// Else with r = trunc(x): below 2^31 r is the answer. From 2^31 on r is 0x80000000, whose sign, smeared, lets trunc(x - 2^31) in; the
-// subtraction is exact up to 2^32, above which all ones are set.
+// Else with r = trunc(x): below 2^31 r is the answer. From 2^31 on r is 0x80000000, whose sign, smeared, lets trunc(x - 2^31) in;
+// the subtraction is exact up to 2^32, above which all ones are set.
 Emitter::V Emitter::f32_to_u32(V x) {
   V zero = float_const(x->getType(), 0);
   x = b_.CreateSelect(b_.CreateFCmpOGT(x, zero), x, zero);
@@ -138,7 +144,8 @@ Emitter::V Emitter::convert_float(V x, Type from, Type to) {
 Emitter::V Emitter::f64_to_odd_f32(V x) {
   llvm::Type* f32 = with_element(x->getType(), b_.getFloatTy());
   V rounded = b_.CreateFPTrunc(x, f32);
-  V error64 = b_.CreateFSub(x, b_.CreateFPExt(rounded, x->getType()));  // exact (Sterbenz), or -inf/+inf when `rounded` is infinite
+  V error64 =
+      b_.CreateFSub(x, b_.CreateFPExt(rounded, x->getType()));  // exact (Sterbenz), or -inf/+inf when `rounded` is infinite
   // Only the sign of the error and whether it is zero matter, so bring it to F32 without underflow.
   V one = float_const(f32, 1);
   V sign = b_.CreateIntrinsic(llvm::Intrinsic::copysign, {f32}, {one, b_.CreateFPTrunc(error64, f32)});
@@ -146,8 +153,8 @@ Emitter::V Emitter::f64_to_odd_f32(V x) {
   return round_to_odd(rounded, b_.CreateSelect(inexact, sign, float_const(f32, 0)), with_element(f32, b_.getInt32Ty()));
 }
 
-// With F16C: vcvtph2ps. Else: binary16's exponent and significand moved to binary32's place and multiplied by 2^112 are the value,
-// subnormals included (the product is exact); infinities and NaN get the largest exponent.
+// With F16C: vcvtph2ps. Else: binary16's exponent and significand moved to binary32's place and multiplied by 2^112 are the
+// value, subnormals included (the product is exact); infinities and NaN get the largest exponent.
 Emitter::V Emitter::half_to_f32(V h) {
   llvm::Type* f32 = with_element(h->getType(), b_.getFloatTy());
   if (features_.half) return b_.CreateFPExt(b_.CreateBitCast(h, with_element(h->getType(), b_.getHalfTy())), f32);

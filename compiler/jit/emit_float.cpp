@@ -1,5 +1,6 @@
-// Floating point: IEEE operations, one LLVM instruction each, no flag that would let LLVM change a value. F16 is computed in F32 and rounded again,
-// which is correct rounding for + - * / sqrt because 24 >= 2 * 11 + 2 (Figueroa, "When is double rounding innocuous?", SIGNUM 1995).
+// Floating point: IEEE operations, one LLVM instruction each, no flag that would let LLVM change a value. F16 is computed in F32
+// and rounded again, which is correct rounding for + - * / sqrt because 24 >= 2 * 11 + 2 (Figueroa, "When is double rounding
+// innocuous?", SIGNUM 1995).
 #include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
@@ -9,26 +10,43 @@ using ir::Type;
 
 Emitter::V Emitter::emit_float(const ir::Inst& inst) {
   switch (inst.op) {
-    case Op::kFMa: return emit_fma(inst);
-    case Op::kFNeg: case Op::kFAbs: return emit_float_sign(inst);
-    case Op::kFMin: case Op::kFMax: return emit_min_max(inst);
-    case Op::kFCanon: return emit_canon(inst);
-    default: break;
+    case Op::kFMa:
+      return emit_fma(inst);
+    case Op::kFNeg:
+    case Op::kFAbs:
+      return emit_float_sign(inst);
+    case Op::kFMin:
+    case Op::kFMax:
+      return emit_min_max(inst);
+    case Op::kFCanon:
+      return emit_canon(inst);
+    default:
+      break;
   }
   if (inst.op >= Op::kFEq) return emit_float_compare(inst);
   V a = widen(arg(inst, 0), inst.type);
   V b = ir::op_info(inst.op).operands > 1 ? widen(arg(inst, 1), inst.type) : nullptr;
   switch (inst.op) {
-    case Op::kFAdd: return narrow(b_.CreateFAdd(a, b), inst.type);
-    case Op::kFSub: return narrow(b_.CreateFSub(a, b), inst.type);
-    case Op::kFMul: return narrow(b_.CreateFMul(a, b), inst.type);
-    case Op::kFDiv: return narrow(b_.CreateFDiv(a, b), inst.type);
-    case Op::kFSqrt: return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::sqrt, a), inst.type);
-    case Op::kFFloor: return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::floor, a), inst.type);
-    case Op::kFCeil: return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::ceil, a), inst.type);
-    case Op::kFTrunc: return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::trunc, a), inst.type);
-    case Op::kFRoundEven: return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::roundeven, a), inst.type);
-    default: return fail("unknown float operation", a->getType());
+    case Op::kFAdd:
+      return narrow(b_.CreateFAdd(a, b), inst.type);
+    case Op::kFSub:
+      return narrow(b_.CreateFSub(a, b), inst.type);
+    case Op::kFMul:
+      return narrow(b_.CreateFMul(a, b), inst.type);
+    case Op::kFDiv:
+      return narrow(b_.CreateFDiv(a, b), inst.type);
+    case Op::kFSqrt:
+      return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::sqrt, a), inst.type);
+    case Op::kFFloor:
+      return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::floor, a), inst.type);
+    case Op::kFCeil:
+      return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::ceil, a), inst.type);
+    case Op::kFTrunc:
+      return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::trunc, a), inst.type);
+    case Op::kFRoundEven:
+      return narrow(b_.CreateUnaryIntrinsic(llvm::Intrinsic::roundeven, a), inst.type);
+    default:
+      return fail("unknown float operation", a->getType());
   }
 }
 
@@ -39,10 +57,14 @@ Emitter::V Emitter::emit_float_compare(const ir::Inst& inst) {
   const Type type = kernel_.at(inst.operand[0]).type;
   V a = widen(arg(inst, 0), type), b = widen(arg(inst, 1), type);
   switch (inst.op) {
-    case Op::kFEq: return from_i1(b_.CreateFCmpOEQ(a, b));
-    case Op::kFNe: return from_i1(b_.CreateFCmpUNE(a, b));
-    case Op::kFLt: return from_i1(b_.CreateFCmpOLT(a, b));
-    default: return from_i1(b_.CreateFCmpOLE(a, b));
+    case Op::kFEq:
+      return from_i1(b_.CreateFCmpOEQ(a, b));
+    case Op::kFNe:
+      return from_i1(b_.CreateFCmpUNE(a, b));
+    case Op::kFLt:
+      return from_i1(b_.CreateFCmpOLT(a, b));
+    default:
+      return from_i1(b_.CreateFCmpOLE(a, b));
   }
 }
 
@@ -92,8 +114,8 @@ Emitter::V Emitter::emit_fma(const ir::Inst& inst) {
   return convert_float(fma_to_odd_f64(to_f64(a), to_f64(b), to_f64(c)), Type::kF64, inst.type);
 }
 
-// The emulation takes about 50 instructions for 4 lanes. It is emitted once per kernel, as a function that preserves all registers but its
-// result's: in line, a shader of 30 FMAs took 150 ms to compile.
+// The emulation takes about 50 instructions for 4 lanes. It is emitted once per kernel, as a function that preserves all
+// registers but its result's: in line, a shader of 30 FMAs took 150 ms to compile.
 Emitter::V Emitter::fma_f32_by_call(V a, V b, V c) {
   constexpr uint32_t kPart = 4;
   if (fma_function_ == nullptr) fma_function_ = create_fma_function(kPart);
@@ -104,7 +126,8 @@ Emitter::V Emitter::fma_f32_by_call(V a, V b, V c) {
   };
   if (!is_vector(a)) {
     const auto first_lane = [&](V x) {
-      return b_.CreateInsertElement(llvm::Constant::getNullValue(llvm::FixedVectorType::get(x->getType(), kPart)), x, uint64_t{0});
+      return b_.CreateInsertElement(llvm::Constant::getNullValue(llvm::FixedVectorType::get(x->getType(), kPart)), x,
+                                    uint64_t{0});
     };
     return b_.CreateExtractElement(call(first_lane(a), first_lane(b), first_lane(c)), uint64_t{0});
   }
@@ -129,8 +152,9 @@ llvm::Function* Emitter::create_fma_function(uint32_t lanes) {
   return function;
 }
 
-// Without FMA3 there is no short exact sequence for binary64 (Boldo and Melquiond's needs an exponent range that is wider than the format), so the
-// C library's correctly rounded fma() is called: the one external symbol that kernels may name (see link.cpp).
+// Without FMA3 there is no short exact sequence for binary64 (Boldo and Melquiond's needs an exponent range that is wider than
+// the format), so the C library's correctly rounded fma() is called: the one external symbol that kernels may name (see
+// link.cpp).
 Emitter::V Emitter::fma_f64_by_call(V a, V b, V c) {
   llvm::Type* f64 = b_.getDoubleTy();
   llvm::FunctionCallee callee = module_.getOrInsertFunction(kFmaSymbol, f64, f64, f64, f64);
@@ -146,12 +170,12 @@ Emitter::V Emitter::fma_f64_by_call(V a, V b, V c) {
 
 // a * b + c rounded once, for operands that are binary32 (or binary16) values held in binary64.
 //
-// The product of two 24-bit significands has 48 bits and an exponent in [-298, 256]: exact in binary64. The sum s = RN(p + c) is not, so
-// rounding s again to binary32 could go wrong. TwoSum (Knuth; Moller) gives its exact error e, as no operation overflows. If e != 0 and the
-// significand of s is even, s is moved one unit toward e: that is the sum rounded to odd, and RN_24(RO_53(x)) = RN_24(x) because
-// 53 >= 24 + 2 (Boldo and Melquiond, "Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd",
-// IEEE Trans. Computers 57(4), 2008, theorem 3), which holds for subnormal binary32 results too: they only keep fewer bits.
-// Infinities and NaN: then e is NaN, `e != 0` ordered is false, and s is already the IEEE answer.
+// The product of two 24-bit significands has 48 bits and an exponent in [-298, 256]: exact in binary64. The sum s = RN(p + c) is
+// not, so rounding s again to binary32 could go wrong. TwoSum (Knuth; Moller) gives its exact error e, as no operation overflows.
+// If e != 0 and the significand of s is even, s is moved one unit toward e: that is the sum rounded to odd, and RN_24(RO_53(x)) =
+// RN_24(x) because 53 >= 24 + 2 (Boldo and Melquiond, "Emulation of a FMA and correctly rounded sums: proved algorithms using
+// rounding to odd", IEEE Trans. Computers 57(4), 2008, theorem 3), which holds for subnormal binary32 results too: they only keep
+// fewer bits. Infinities and NaN: then e is NaN, `e != 0` ordered is false, and s is already the IEEE answer.
 Emitter::V Emitter::fma_to_odd_f64(V a, V b, V c) {
   V p = b_.CreateFMul(a, b);
   V s = b_.CreateFAdd(p, c);
@@ -161,13 +185,15 @@ Emitter::V Emitter::fma_to_odd_f64(V a, V b, V c) {
   return round_to_odd(s, error, with_element(s->getType(), b_.getInt64Ty()));
 }
 
-// `rounded` = RN(x), `error` has the sign of x - rounded, or is zero or NaN when nothing is to be done. Moves an even significand to the odd
-// neighbour on the side of x. As sign-magnitude integers neighbours differ by 1, across binades too; equal signs mean away from zero.
+// `rounded` = RN(x), `error` has the sign of x - rounded, or is zero or NaN when nothing is to be done. Moves an even significand
+// to the odd neighbour on the side of x. As sign-magnitude integers neighbours differ by 1, across binades too; equal signs mean
+// away from zero.
 Emitter::V Emitter::round_to_odd(V rounded, V error, llvm::Type* bits_type) {
   V bits = b_.CreateBitCast(rounded, bits_type);
   V error_bits = b_.CreateBitCast(error, bits_type);
   const unsigned top = bits_type->getScalarSizeInBits() - 1;
-  V step = b_.CreateOr(b_.CreateAShr(b_.CreateXor(bits, error_bits), top), int_const(bits_type, 1));  // +1 away from zero, -1 toward it
+  V step = b_.CreateOr(b_.CreateAShr(b_.CreateXor(bits, error_bits), top),
+                       int_const(bits_type, 1));  // +1 away from zero, -1 toward it
   V even = b_.CreateICmpEQ(b_.CreateAnd(bits, int_const(bits_type, 1)), int_const(bits_type, 0));
   V inexact = b_.CreateFCmpONE(error, float_const(error->getType(), 0));
   V moved = b_.CreateAdd(bits, b_.CreateSelect(b_.CreateAnd(even, inexact), step, int_const(bits_type, 0)));

@@ -27,8 +27,8 @@ Emitter::LaneAddresses Emitter::lane_addresses(const Access& a) {
   return {.address = b_.CreateAdd(address, llvm::ConstantDataVector::get(context_, lane_offset64))};
 }
 
-// 32-bit gather instructions sign-extend their indices, and offsets are unsigned: unless the sign bit is known to be clear, 2^31 moves from the
-// offsets to the base. One XOR, where 64-bit indices would halve the lanes of each instruction.
+// 32-bit gather instructions sign-extend their indices, and offsets are unsigned: unless the sign bit is known to be clear, 2^31
+// moves from the offsets to the base. One XOR, where 64-bit indices would halve the lanes of each instruction.
 Emitter::V Emitter::lane_pointers(const LaneAddresses& at) {
   if (at.address != nullptr) return b_.CreateIntToPtr(at.address, lane_type(b_.getPtrTy()));
   V base = at.base, offset = at.offset;
@@ -60,11 +60,13 @@ Emitter::V Emitter::gather_native(llvm::Type* element, const LaneAddresses& at, 
   return load;
 }
 
-// 8- and 16-bit elements: gathers a 32-bit word that holds the element and shifts. The word must touch no page that the element does not touch. Aligned
-// words do that; so does the word two bytes down from a 16-bit element that itself crosses a word border (address & 3 == 3):
+// 8- and 16-bit elements: gathers a 32-bit word that holds the element and shifts. The word must touch no page that the element
+// does not touch. Aligned words do that; so does the word two bytes down from a 16-bit element that itself crosses a word border
+// (address & 3 == 3):
 //     back = address & 3, but 2 instead of 3 for 16 bits;  element = word[address - back] >> 8 * back
-// To keep `offset - back` from wrapping, the base is aligned down and its low bits join the offset. (Only a base that is not a multiple of 4
-// and an offset within 3 bytes of 4 GiB could wrap then, and an offset that large fails its limit: BufferDescriptor::size_bytes.)
+// To keep `offset - back` from wrapping, the base is aligned down and its low bits join the offset. (Only a base that is not a
+// multiple of 4 and an offset within 3 bytes of 4 GiB could wrap then, and an offset that large fails its limit:
+// BufferDescriptor::size_bytes.)
 Emitter::V Emitter::gather_narrow(const Access& a, const LaneAddresses& at, V mask) {
   llvm::Type* i32 = lane_type(b_.getInt32Ty());
   const auto bytes_back = [&](V low) {
@@ -101,9 +103,9 @@ Emitter::V Emitter::gather_scalar(const Access& a, const LaneAddresses& at) {
   return result;
 }
 
-// The same with some lanes off. Sixteen branches would cost more than the loads, so lanes that are off read something harmless: with 64-bit addresses
-// the zero constant; with a limit the base itself, which is readable if any lane passed its limit, else the zero constant. Only
-// what is neither goes lane by lane.
+// The same with some lanes off. Sixteen branches would cost more than the loads, so lanes that are off read something harmless:
+// with 64-bit addresses the zero constant; with a limit the base itself, which is readable if any lane passed its limit, else the
+// zero constant. Only what is neither goes lane by lane.
 Emitter::V Emitter::gather_scalar_masked(const Access& a, const LaneAddresses& at, V mask) {
   llvm::Type* type = lane_type(a.element);
   LaneAddresses safe = at;

@@ -8,11 +8,21 @@ using ir::Type;
 
 Emitter::V Emitter::emit_int(const ir::Inst& inst) {
   switch (inst.op) {
-    case Op::kUMulHi: return emit_mul_high(arg(inst, 0), arg(inst, 1), false);
-    case Op::kSMulHi: return emit_mul_high(arg(inst, 0), arg(inst, 1), true);
-    case Op::kUDiv: case Op::kSDiv: case Op::kURem: case Op::kSRem: return emit_divide(inst);
-    case Op::kShl: case Op::kLShr: case Op::kAShr: return emit_shift(inst);
-    default: break;
+    case Op::kUMulHi:
+      return emit_mul_high(arg(inst, 0), arg(inst, 1), false);
+    case Op::kSMulHi:
+      return emit_mul_high(arg(inst, 0), arg(inst, 1), true);
+    case Op::kUDiv:
+    case Op::kSDiv:
+    case Op::kURem:
+    case Op::kSRem:
+      return emit_divide(inst);
+    case Op::kShl:
+    case Op::kLShr:
+    case Op::kAShr:
+      return emit_shift(inst);
+    default:
+      break;
   }
   if (inst.op >= Op::kIEq) return emit_int_compare(inst);
   V a = arg(inst, 0);
@@ -20,26 +30,40 @@ Emitter::V Emitter::emit_int(const ir::Inst& inst) {
   if (inst.op == Op::kNot) return b_.CreateXor(a, llvm::Constant::getAllOnesValue(a->getType()));
   V b = arg(inst, 1);
   switch (inst.op) {
-    case Op::kIAdd: return b_.CreateAdd(a, b);
-    case Op::kISub: return b_.CreateSub(a, b);
-    case Op::kIMul: return b_.CreateMul(a, b);
-    case Op::kAnd: return b_.CreateAnd(a, b);
-    case Op::kOr: return b_.CreateOr(a, b);
-    case Op::kXor: return b_.CreateXor(a, b);
-    case Op::kSMin: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
-    case Op::kSMax: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
-    case Op::kUMin: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::umin, a, b);
-    default: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::umax, a, b);
+    case Op::kIAdd:
+      return b_.CreateAdd(a, b);
+    case Op::kISub:
+      return b_.CreateSub(a, b);
+    case Op::kIMul:
+      return b_.CreateMul(a, b);
+    case Op::kAnd:
+      return b_.CreateAnd(a, b);
+    case Op::kOr:
+      return b_.CreateOr(a, b);
+    case Op::kXor:
+      return b_.CreateXor(a, b);
+    case Op::kSMin:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smin, a, b);
+    case Op::kSMax:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::smax, a, b);
+    case Op::kUMin:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::umin, a, b);
+    default:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::umax, a, b);
   }
 }
 
 Emitter::V Emitter::emit_bit_count(const ir::Inst& inst, V a) {
   constexpr bool kZeroIsDefined = false;  // the intrinsics' flag "is_zero_poison"
   switch (inst.op) {
-    case Op::kClz: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::ctlz, a, b_.getInt1(kZeroIsDefined));
-    case Op::kCtz: return b_.CreateBinaryIntrinsic(llvm::Intrinsic::cttz, a, b_.getInt1(kZeroIsDefined));
-    case Op::kPopCount: return b_.CreateUnaryIntrinsic(llvm::Intrinsic::ctpop, a);
-    default: return b_.CreateUnaryIntrinsic(llvm::Intrinsic::bitreverse, a);
+    case Op::kClz:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::ctlz, a, b_.getInt1(kZeroIsDefined));
+    case Op::kCtz:
+      return b_.CreateBinaryIntrinsic(llvm::Intrinsic::cttz, a, b_.getInt1(kZeroIsDefined));
+    case Op::kPopCount:
+      return b_.CreateUnaryIntrinsic(llvm::Intrinsic::ctpop, a);
+    default:
+      return b_.CreateUnaryIntrinsic(llvm::Intrinsic::bitreverse, a);
   }
 }
 
@@ -50,8 +74,8 @@ Emitter::V Emitter::emit_mul_high(V a, V b, bool is_signed) {
   return b_.CreateTrunc(b_.CreateLShr(product, bits), a->getType());
 }
 
-// a / 0 = all ones, a % 0 = a, INT_MIN / -1 = INT_MIN, INT_MIN % -1 = 0. With the divisor replaced by 1 in those cases, the quotient is a: right
-// for the last two as it is.
+// a / 0 = all ones, a % 0 = a, INT_MIN / -1 = INT_MIN, INT_MIN % -1 = 0. With the divisor replaced by 1 in those cases, the
+// quotient is a: right for the last two as it is.
 Emitter::V Emitter::emit_divide(const ir::Inst& inst) {
   V a = arg(inst, 0), b = arg(inst, 1);
   llvm::Type* type = a->getType();
@@ -80,9 +104,10 @@ Emitter::V Emitter::quotient(V a, V b, bool is_signed, bool constant_divisor) {
   return b_.CreateTrunc(q, a->getType());
 }
 
-// There is no vector integer division. In binary64 it is exact: the operands are, and if a / b is not an integer it lies at least 1 / |b| below the
-// next one, while the rounding error of the quotient is at most 2^-53 * |a / b| < 2^-21 / |b|, so rounding never reaches that integer.
-// Adding 1.5 * 2^52 leaves the integer, two's complement, in the low bits of the significand; unlike fptosi this has no undefined case.
+// There is no vector integer division. In binary64 it is exact: the operands are, and if a / b is not an integer it lies at least
+// 1 / |b| below the next one, while the rounding error of the quotient is at most 2^-53 * |a / b| < 2^-21 / |b|, so rounding
+// never reaches that integer. Adding 1.5 * 2^52 leaves the integer, two's complement, in the low bits of the significand; unlike
+// fptosi this has no undefined case.
 Emitter::V Emitter::quotient_by_f64(V a, V b, bool is_signed) {
   llvm::Type* f64 = with_element(a->getType(), b_.getDoubleTy());
   V x = is_signed ? b_.CreateSIToFP(a, f64) : b_.CreateUIToFP(a, f64);
@@ -96,21 +121,30 @@ Emitter::V Emitter::emit_shift(const ir::Inst& inst) {
   V a = arg(inst, 0);
   V count = b_.CreateAnd(arg(inst, 1), int_const(a->getType(), a->getType()->getScalarSizeInBits() - 1));
   switch (inst.op) {
-    case Op::kShl: return b_.CreateShl(a, count);
-    case Op::kLShr: return b_.CreateLShr(a, count);
-    default: return b_.CreateAShr(a, count);
+    case Op::kShl:
+      return b_.CreateShl(a, count);
+    case Op::kLShr:
+      return b_.CreateLShr(a, count);
+    default:
+      return b_.CreateAShr(a, count);
   }
 }
 
 Emitter::V Emitter::emit_int_compare(const ir::Inst& inst) {
   V a = arg(inst, 0), b = arg(inst, 1);
   switch (inst.op) {
-    case Op::kIEq: return from_i1(b_.CreateICmpEQ(a, b));
-    case Op::kINe: return from_i1(b_.CreateICmpNE(a, b));
-    case Op::kULt: return from_i1(b_.CreateICmpULT(a, b));
-    case Op::kULe: return from_i1(b_.CreateICmpULE(a, b));
-    case Op::kSLt: return from_i1(b_.CreateICmpSLT(a, b));
-    default: return from_i1(b_.CreateICmpSLE(a, b));
+    case Op::kIEq:
+      return from_i1(b_.CreateICmpEQ(a, b));
+    case Op::kINe:
+      return from_i1(b_.CreateICmpNE(a, b));
+    case Op::kULt:
+      return from_i1(b_.CreateICmpULT(a, b));
+    case Op::kULe:
+      return from_i1(b_.CreateICmpULE(a, b));
+    case Op::kSLt:
+      return from_i1(b_.CreateICmpSLT(a, b));
+    default:
+      return from_i1(b_.CreateICmpSLE(a, b));
   }
 }
 
@@ -120,9 +154,12 @@ Emitter::V Emitter::emit_int_convert(const ir::Inst& inst) {
   if (kernel_.at(inst.operand[0]).type == Type::kB1) a = to_i1(a);
   llvm::Type* to = value_type(inst.type, is_vector(a));
   switch (inst.op) {
-    case Op::kZExt: return b_.CreateZExt(a, to);
-    case Op::kSExt: return b_.CreateSExt(a, to);
-    default: return b_.CreateTrunc(a, to);
+    case Op::kZExt:
+      return b_.CreateZExt(a, to);
+    case Op::kSExt:
+      return b_.CreateSExt(a, to);
+    default:
+      return b_.CreateTrunc(a, to);
   }
 }
 

@@ -1,8 +1,7 @@
-// Locals: per-lane arrays on the stack, [count x <16 x T>], so that an element with a uniform index is one vector. Those of one element, or
-// indexed by constants only, become registers by LLVM's SROA.
-#include "compiler/jit/emitter.h"
-
+// Locals: per-lane arrays on the stack, [count x <16 x T>], so that an element with a uniform index is one vector. Those of one
+// element, or indexed by constants only, become registers by LLVM's SROA.
 #include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
 
@@ -40,8 +39,9 @@ void Emitter::create_locals() {
     local_slot_[v.id] = slot;
   });
   if (total_bytes > kMaxLocalBytes) {
-    fail("its private arrays need " + std::to_string(total_bytes) + " bytes of stack, more than " + std::to_string(kMaxLocalBytes),
-         b_.getVoidTy());
+    fail(
+        "its private arrays need " + std::to_string(total_bytes) + " bytes of stack, more than " + std::to_string(kMaxLocalBytes),
+        b_.getVoidTy());
   }
 }
 

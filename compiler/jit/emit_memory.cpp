@@ -1,7 +1,6 @@
 // Load and Store: classification of the address, bounds, and the accesses that need no gather. See ir.h, "Memory".
-#include "compiler/jit/emitter.h"
-
 #include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
 
@@ -12,9 +11,7 @@ bool Emitter::Access::uniform() const {
   return !is_vector(base) && !is_vector(offset) && (limit == nullptr || !is_vector(limit)) && lane_stride_bytes == 0;
 }
 
-bool Emitter::Access::contiguous() const {
-  return !is_vector(base) && !is_vector(offset) && lane_stride_bytes == size_bytes;
-}
+bool Emitter::Access::contiguous() const { return !is_vector(base) && !is_vector(offset) && lane_stride_bytes == size_bytes; }
 
 Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
   const auto own_shape = [&](ir::Value v) { return get(v, is_lane(v)); };
@@ -37,28 +34,41 @@ uint64_t Emitter::upper_bound(ir::Value v, uint32_t depth) const {
   const ir::Inst& inst = kernel_.at(v);
   const auto bound = [&](uint32_t i) { return upper_bound(inst.operand[i], depth + 1); };
   const auto unwrapped = [](uint64_t bound_64) { return bound_64 <= kAny ? bound_64 : kAny; };
-  const auto constant_count = [&] { return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32; };
+  const auto constant_count = [&] {
+    return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32;
+  };
   switch (inst.op) {
-    case Op::kConst: return inst.imm;
-    case Op::kLane: return kLanes - 1;
+    case Op::kConst:
+      return inst.imm;
+    case Op::kLane:
+      return kLanes - 1;
     case Op::kZExt: {
       const ir::Type from = kernel_.at(inst.operand[0]).type;
       return from == ir::Type::kB1 ? 1 : (1u << 8 * ir::size_bytes(from)) - 1;
     }
-    case Op::kAnd: case Op::kUMin: return std::min(bound(0), bound(1));
-    case Op::kUMax: return std::max(bound(0), bound(1));
-    case Op::kSelect: return std::max(bound(1), bound(2));
-    case Op::kIAdd: return unwrapped(bound(0) + bound(1));
-    case Op::kIMul: return unwrapped(bound(0) * bound(1));
-    case Op::kLShr: return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
-    case Op::kShl: return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
-    default: return kAny;
+    case Op::kAnd:
+    case Op::kUMin:
+      return std::min(bound(0), bound(1));
+    case Op::kUMax:
+      return std::max(bound(0), bound(1));
+    case Op::kSelect:
+      return std::max(bound(1), bound(2));
+    case Op::kIAdd:
+      return unwrapped(bound(0) + bound(1));
+    case Op::kIMul:
+      return unwrapped(bound(0) * bound(1));
+    case Op::kLShr:
+      return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
+    case Op::kShl:
+      return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
+    default:
+      return kAny;
   }
 }
 
 // ---- bounds ---------------------------------------------------------------------------------------------------------------
-// In bounds means offset + k <= limit with k = lane * stride + size, in exact arithmetic. As limit -sat- (k - 1) is either limit - k + 1 or 0, this is
-// offset < limit -sat- (k - 1): one unsigned compare with a value that is mostly uniform.
+// In bounds means offset + k <= limit with k = lane * stride + size, in exact arithmetic. As limit -sat- (k - 1) is either limit
+// - k + 1 or 0, this is offset < limit -sat- (k - 1): one unsigned compare with a value that is mostly uniform.
 
 Emitter::V Emitter::uniform_in_bounds(const Access& a) {
   if (a.limit == nullptr) return nullptr;

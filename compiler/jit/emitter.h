@@ -1,15 +1,17 @@
 // Translates one ir::Kernel into one LLVM function. Internal to libpineda_jit.so.
 //
-// Representation of a value. Rates Draw, Prim and Wave: an LLVM scalar. Rate Lane: a vector of 16 elements, which LLVM splits into 2 x 8 or
-// 4 x 4 where registers are narrower. Elements: iN for integers, i64 for Ptr, float, double, and i16 for F16 (arithmetic on it goes
-// through float, so that no ISA depends on LLVM's `half`, which calls library functions where F16C is missing).
+// Representation of a value. Rates Draw, Prim and Wave: an LLVM scalar. Rate Lane: a vector of 16 elements, which LLVM splits
+// into 2 x 8 or 4 x 4 where registers are narrower. Elements: iN for integers, i64 for Ptr, float, double, and i16 for F16
+// (arithmetic on it goes through float, so that no ISA depends on LLVM's `half`, which calls library functions where F16C is
+// missing).
 //
-// Booleans. A uniform B1 is an i1. A B1 per lane is a *mask*: <16 x i1> on AVX-512, which has registers for it; elsewhere <16 x i32> of
-// 0 and -1, because LLVM would pack <16 x i1> to bytes at each block border and unpack it for each blend. to_i1() and from_i1() convert; in one
-// block they cancel out.
+// Booleans. A uniform B1 is an i1. A B1 per lane is a *mask*: <16 x i1> on AVX-512, which has registers for it; elsewhere <16 x
+// i32> of 0 and -1, because LLVM would pack <16 x i1> to bytes at each block border and unpack it for each blend. to_i1() and
+// from_i1() convert; in one block they cancel out.
 //
-// Poison. No instruction that is emitted may give poison for any input (inactive lanes hold garbage), so: no nsw/nuw/inbounds, shift counts
-// and divisors are made valid first, conversions saturate, and values of branches that are not taken are zero instead of undef.
+// Poison. No instruction that is emitted may give poison for any input (inactive lanes hold garbage), so: no nsw/nuw/inbounds,
+// shift counts and divisors are made valid first, conversions saturate, and values of branches that are not taken are zero
+// instead of undef.
 #pragma once
 
 #include <functional>
@@ -26,11 +28,11 @@ namespace pineda::jit {
 
 // What the emitted code may rely on beyond the instruction set that LLVM knows of.
 struct Features {
-  bool mask_registers;   // AVX-512
-  bool fma, half;        // FMA3, F16C
-  bool gathers;          // AVX2: vpgatherdd ...
-  bool masked_moves;     // AVX: vmaskmovps (32- and 64-bit elements)
-  bool scatters;         // AVX-512
+  bool mask_registers;  // AVX-512
+  bool fma, half;       // FMA3, F16C
+  bool gathers;         // AVX2: vpgatherdd ...
+  bool masked_moves;    // AVX: vmaskmovps (32- and 64-bit elements)
+  bool scatters;        // AVX-512
   uint32_t vector_bits;
 };
 Features features_of(Isa isa);
@@ -53,8 +55,8 @@ class Emitter {
  private:
   using V = llvm::Value*;
 
-  // Active lanes of the region being emitted; null lanes = all 16, known now. Wherever code with effects is emitted, at least one lane is
-  // active when it runs: regions that could be entered without are branched around.
+  // Active lanes of the region being emitted; null lanes = all 16, known now. Wherever code with effects is emitted, at least one
+  // lane is active when it runs: regions that could be entered without are branched around.
   struct Exec {
     V lanes = nullptr;  // mask
     bool full() const { return lanes == nullptr; }
@@ -74,21 +76,21 @@ class Emitter {
 
   // Sixteen addresses: base + zero-extended offset, or given in full.
   struct LaneAddresses {
-    V base = nullptr;            // i64
-    V offset = nullptr;          // <16 x i32>
-    V address = nullptr;         // <16 x i64>; then the others are null
-    bool small = false;          // offset is known to be below 2^31 - 8
+    V base = nullptr;     // i64
+    V offset = nullptr;   // <16 x i32>
+    V address = nullptr;  // <16 x i64>; then the others are null
+    bool small = false;   // offset is known to be below 2^31 - 8
   };
-  struct LaneSlots {             // the same on the stack, to be indexed by a variable lane number
+  struct LaneSlots {  // the same on the stack, to be indexed by a variable lane number
     V base = nullptr, offsets = nullptr, addresses = nullptr;
   };
 
   struct LocalElement {
     ir::Type type;
-    llvm::Type* row;             // 16 elements
-    V in_range;                  // null: known; i1, or a mask when `varying` is used
-    V address;                   // of the row; null: out of range
-    Access varying;              // used when its base is set: each lane has its own row
+    llvm::Type* row;  // 16 elements
+    V in_range;       // null: known; i1, or a mask when `varying` is used
+    V address;        // of the row; null: out of range
+    Access varying;   // used when its base is set: each lane has its own row
   };
 
   // ---- emit.cpp: frame and dispatch
@@ -109,25 +111,25 @@ class Emitter {
   llvm::Type* element_type(ir::Type t) const;
   llvm::Type* lane_type(llvm::Type* element) const { return llvm::FixedVectorType::get(element, kLanes); }
   llvm::Type* value_type(ir::Type t, bool lane) const;
-  V scalar(ir::Value v);                        // fails when it varies
-  V vector(ir::Value v);                        // broadcasts when it is uniform
+  V scalar(ir::Value v);  // fails when it varies
+  V vector(ir::Value v);  // broadcasts when it is uniform
   V get(ir::Value v, bool lane) { return lane ? vector(v) : scalar(v); }
   V arg(const ir::Inst& inst, uint32_t i) { return get(inst.operand[i], inst.rate == ir::Rate::kLane); }
-  V broadcast_value(V scalar);                  // at the insertion point; i1 becomes a mask
+  V broadcast_value(V scalar);  // at the insertion point; i1 becomes a mask
   V shape(V value, bool lane) { return lane && !is_vector(value) ? broadcast_value(value) : value; }
-  static V int_const(llvm::Type* like, uint64_t bits);      // scalar or splat
+  static V int_const(llvm::Type* like, uint64_t bits);  // scalar or splat
   static V float_const(llvm::Type* like, double value);
   llvm::Type* with_element(llvm::Type* like, llvm::Type* element) const;
   static bool is_vector(V v) { return v->getType()->isVectorTy(); }
 
   // ---- emit_mask.cpp
-  V to_i1(V b1);                // mask -> <16 x i1>; i1 -> i1
-  V from_i1(V bits);            // <16 x i1> -> mask; i1 -> i1
+  V to_i1(V b1);      // mask -> <16 x i1>; i1 -> i1
+  V from_i1(V bits);  // <16 x i1> -> mask; i1 -> i1
   V mask_not(V mask);
-  V exec_and(V mask);           // active lanes of `mask`
-  V any(V mask);                // i1
-  V mask_bits(V mask);          // i16
-  V exec_bits();                // i32
+  V exec_and(V mask);   // active lanes of `mask`
+  V any(V mask);        // i1
+  V mask_bits(V mask);  // i16
+  V exec_bits();        // i32
   V mask_from_bits(V bits16);
   V select(V cond_b1, V a, V b);
   V full_mask();
@@ -163,7 +165,7 @@ class Emitter {
   V float_to_int(V x, ir::Type from, ir::Type to, bool is_signed);
   V f32_to_i32(V x);
   V f32_to_u32(V x);
-  V truncate_f32(V x);          // cvttps2dq: 0x80000000 when out of range
+  V truncate_f32(V x);  // cvttps2dq: 0x80000000 when out of range
   V truncate_f32_unsigned_512(V x);
   V int_to_float(V x, ir::Type to, bool is_signed);
   V convert_float(V x, ir::Type from, ir::Type to);
@@ -181,22 +183,22 @@ class Emitter {
   V emit_load(const ir::Inst& inst);
   void emit_store(const ir::Inst& inst);
   V uniform_load(const Access& a);
-  V uniform_in_bounds(const Access& a);                     // i1; null when unchecked
-  V lanes_in_bounds(const Access& a);                       // mask; null when unchecked
+  V uniform_in_bounds(const Access& a);  // i1; null when unchecked
+  V lanes_in_bounds(const Access& a);    // mask; null when unchecked
   V contiguous_load(const Access& a, V mask);
   V contiguous_load_by_lane(const Access& a, V mask);
   void contiguous_store(const Access& a, V value, V mask);
   void uniform_store(const Access& a, V value);
   V load_at(llvm::Type* type, V address_i64, bool invariant);
   void store_at(V value, V address_i64);
-  V first_address(const Access& a);                         // i64, of lane 0
+  V first_address(const Access& a);  // i64, of lane 0
   uint64_t upper_bound(ir::Value v, uint32_t depth) const;
-  V zeros_address();                                        // i64, of 16 zero bytes
+  V zeros_address();  // i64, of 16 zero bytes
   void mark_invariant(llvm::Instruction* load, bool invariant);
 
   // ---- emit_gather.cpp
   LaneAddresses lane_addresses(const Access& a);
-  V lane_pointers(const LaneAddresses& at);                 // <16 x ptr>
+  V lane_pointers(const LaneAddresses& at);  // <16 x ptr>
   V gather(const Access& a, V mask);
   V gather_native(llvm::Type* element, const LaneAddresses& at, V mask, bool invariant);
   V gather_narrow(const Access& a, const LaneAddresses& at, V mask);
@@ -207,7 +209,7 @@ class Emitter {
   V slot_address(const LaneSlots& slots, V lane_i64);
   void for_each_lane(V bits_i32, const std::function<void(V lane_i64)>& body);
   V stack_slot(llvm::Type* type, const char* role);
-  V spill(V vector, const char* role);                      // ptr to its elements
+  V spill(V vector, const char* role);  // ptr to its elements
   V slot_load(V slot, llvm::Type* element, V lane_i64);
   void slot_store(V slot, V value, V lane_i64);
 
@@ -250,13 +252,13 @@ class Emitter {
   llvm::LLVMContext& context_;
   const ir::Kernel& kernel_;
   const Features features_;
-  llvm::IRBuilder<> b_;                    // folds constants only: phis are incomplete while a loop is emitted, so nothing may look through them
+  llvm::IRBuilder<> b_;  // folds constants only: phis are incomplete while a loop is emitted, so nothing may look through them
   llvm::Function* function_ = nullptr;
-  llvm::BasicBlock* entry_ = nullptr;      // allocas only; branches to the draw region's code
+  llvm::BasicBlock* entry_ = nullptr;  // allocas only; branches to the draw region's code
   std::string error_;
 
-  std::vector<V> value_;                   // by instruction
-  std::vector<V> splat_;                   // its broadcast, when one was needed
+  std::vector<V> value_;                                          // by instruction
+  std::vector<V> splat_;                                          // its broadcast, when one was needed
   std::unordered_map<uint32_t, std::vector<ir::Value>> results_;  // If or Loop -> its Results
   std::unordered_map<uint32_t, llvm::AllocaInst*> local_slot_;
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;

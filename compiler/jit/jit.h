@@ -1,11 +1,11 @@
-// The LLVM back end, in a library of its own (libpineda_jit.so) that is opened when the first kernel is compiled: a process that only
-// creates a device never loads LLVM.
+// The LLVM back end, in a library of its own (libpineda_jit.so) that is opened when the first kernel is compiled: a process that
+// only creates a device never loads LLVM.
 //
 // The plug-in exports one function, pineda_jit_api(), which returns this table. No LLVM type appears here.
 //
-// Kernels expect the x86-64 psABI's state at a call: MXCSR = 0x1F80 (round to nearest, denormals kept, exceptions masked). An application
-// may change MXCSR of its own threads; Pineda's worker threads never do, and whoever runs a kernel on an application's thread sets it around
-// the call. A kernel changes no floating-point state.
+// Kernels expect the x86-64 psABI's state at a call: MXCSR = 0x1F80 (round to nearest, denormals kept, exceptions masked). An
+// application may change MXCSR of its own threads; Pineda's worker threads never do, and whoever runs a kernel on an
+// application's thread sets it around the call. A kernel changes no floating-point state.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +26,16 @@ struct Options {
 // Machine code of one kernel; released with Api::release.
 struct Code {
   KernelFn fn = nullptr;
-  void* owner = nullptr;      // opaque
+  void* owner = nullptr;  // opaque
   uint64_t size_bytes = 0;
   std::string llvm_ir, assembly;
-  std::string error;          // empty on success
+  std::string error;  // empty on success
 };
 
 inline constexpr uint32_t kApiVersion = 1;
 
 struct Api {
-  uint32_t version;           // kApiVersion: the two libraries come from one build
+  uint32_t version;  // kApiVersion: the two libraries come from one build
   // The kernel must be verified, lowered (no transcendental ops), rated and hoisted. Thread-safe.
   Code (*compile)(const ir::Kernel& kernel, const Options& options);
   void (*release)(void* owner);

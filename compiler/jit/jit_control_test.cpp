@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "compiler/jit/test_rig.h"
+#include "compiler/passes/passes.h"
 
 namespace pineda::jit::test {
 namespace {
@@ -32,14 +33,18 @@ class ControlRig {
   Value in() { return b.load(Type::kI32, {.base = b.wave_ptr(), .offset = b.i32(offsetof(Wave, in)), .lane_stride = 4}); }
   Value uniform() { return b.load(Type::kI32, b.wave_ptr(), offsetof(Wave, uniform)); }
   void put(Value v) {
-    b.store({.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(Wave, out)) + slot_++ * 64), .lane_stride = 4}, v);
+    b.store({.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(Wave, out)) + slot_++ * 64), .lane_stride = 4},
+            v);
   }
   // Twice: all values per lane, then with rates.
   void check() {
     const auto wave_count = static_cast<uint32_t>(waves.size());
-    const Call call{.prims = {{nullptr, 0, wave_count}}, .waves = waves.data(), .memory = waves.data(), .memory_bytes = waves.size() * sizeof(Wave)};
+    const Call call{.prims = {{nullptr, 0, wave_count}},
+                    .waves = waves.data(),
+                    .memory = waves.data(),
+                    .memory_bytes = waves.size() * sizeof(Wave)};
     expect_same(kernel, call);
-    assign_rates(kernel);
+    passes::rates(kernel);
     expect_same(kernel, call);
   }
 
@@ -62,15 +67,22 @@ TEST(JitControl, DivergentIf) {
   Builder& b = r.b;
   const Value x = r.in();
   const auto longer = b.if_else(
-      b.ult(x, b.i32(5)), {Type::kI32, Type::kB1}, [&] { return std::vector{long_work(b, x), b.ult(x, b.i32(2))}; },
-      [&] { return std::vector{b.iadd(x, b.i32(100)), b.b1(true)}; });
+      b.ult(x, b.i32(5)), {Type::kI32, Type::kB1},
+      [&] {
+        return std::vector{long_work(b, x), b.ult(x, b.i32(2))};
+      },
+      [&] {
+        return std::vector{b.iadd(x, b.i32(100)), b.b1(true)};
+      });
   const auto flat = b.if_else(
-      b.ult(x, b.i32(8)), {Type::kI32}, [&] { return std::vector{b.isub(x, b.i32(1))}; }, [&] { return std::vector{r.uniform()}; });
+      b.ult(x, b.i32(8)), {Type::kI32}, [&] { return std::vector{b.isub(x, b.i32(1))}; },
+      [&] { return std::vector{r.uniform()}; });
   r.put(longer[0]);
   r.put(b.convert(ir::Op::kZExt, Type::kI32, longer[1]));
   r.put(flat[0]);
   b.if_(b.ieq(x, b.i32(3)), [&] { r.put(long_work(b, x)); });
-  b.if_else(b.ult(x, b.i32(1)), [&] {}, [&] { r.put(x); });
+  b.if_else(
+      b.ult(x, b.i32(1)), [&] {}, [&] { r.put(x); });
   r.check();
 }
 
@@ -80,8 +92,12 @@ TEST(JitControl, UniformIf) {
   const Value x = r.in(), u = r.uniform();
   const auto v = b.if_else(
       b.ult(u, b.i32(3)), {Type::kI32, Type::kI32, Type::kB1},
-      [&] { return std::vector{b.iadd(u, b.i32(1)), long_work(b, x), b.ult(x, u)}; },
-      [&] { return std::vector{b.imul(u, u), u, b.b1(false)}; });
+      [&] {
+        return std::vector{b.iadd(u, b.i32(1)), long_work(b, x), b.ult(x, u)};
+      },
+      [&] {
+        return std::vector{b.imul(u, u), u, b.b1(false)};
+      });
   for (int i = 0; i < 2; ++i) r.put(v[static_cast<size_t>(i)]);
   r.put(b.convert(ir::Op::kZExt, Type::kI32, v[2]));
   b.if_(b.ieq(u, b.i32(2)), [&] { b.if_(b.ult(x, b.i32(6)), [&] { r.put(b.ballot(b.b1(true))); }); });
@@ -128,7 +144,8 @@ TEST(JitControl, NestedLoopsAndBreaks) {
       return Builder::LoopStep{b.and_(b.ult(n, b.i32(4)), b.ine(b.and_(sum[0], b.i32(7)), b.i32(0))), {n, sum[0]}};
     });
     const Value n = b.iadd(outer[0], inner[0]);
-    b.if_(b.ult(x, b.i32(4)), [&] { b.store({.base = b.wave_ptr(), .offset = b.i32(offsetof(Wave, out) + 320), .lane_stride = 4}, n); });
+    b.if_(b.ult(x, b.i32(4)),
+          [&] { b.store({.base = b.wave_ptr(), .offset = b.i32(offsetof(Wave, out) + 320), .lane_stride = 4}, n); });
     return Builder::LoopStep{b.ult(n, x), {n, inner[1]}};
   });
   r.put(v[0]);
@@ -160,7 +177,7 @@ TEST(JitControl, PrimitiveLoop) {
   r.put(b.imul(r.in(), factor));
   r.put(b.load(Type::kI32, b.draw_ptr(), 4));
   r.put(b.load(Type::kI32, b.thread_ptr(), 0));
-  assign_rates(r.kernel);
+  passes::rates(r.kernel);
   uint32_t draw[2] = {1, 42}, thread = 7;
   const uint32_t factors[3] = {2, 3, 5};
   expect_same(r.kernel, {.draw = draw,

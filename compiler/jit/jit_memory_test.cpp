@@ -1,8 +1,9 @@
-// Loads, stores and atomics in every address form, under masks and limits, between two unmapped pages: a lane that is off, or out of
-// bounds, must not touch memory, and what is read must be what the evaluator reads.
+// Loads, stores and atomics in every address form, under masks and limits, between two unmapped pages: a lane that is off, or out
+// of bounds, must not touch memory, and what is read must be what the evaluator reads.
 #include <sys/mman.h>
 
 #include "compiler/jit/test_rig.h"
+#include "compiler/passes/passes.h"
 
 namespace pineda::jit::test {
 namespace {
@@ -46,7 +47,8 @@ struct MemoryWave {
 };
 
 enum class Form { kUniform, kContiguous, kStrided, kGather, kGatherStrided, kLaneBase, kLaneLimit };
-constexpr Form kForms[] = {Form::kUniform, Form::kContiguous, Form::kStrided, Form::kGather, Form::kGatherStrided, Form::kLaneBase, Form::kLaneLimit};
+constexpr Form kForms[] = {Form::kUniform,       Form::kContiguous, Form::kStrided,  Form::kGather,
+                           Form::kGatherStrided, Form::kLaneBase,   Form::kLaneLimit};
 
 struct Shape {
   Form form;
@@ -63,7 +65,8 @@ std::string describe_shape(const Shape& s) {
          (s.masked ? " masked" : "");
 }
 
-// Addresses such that exactly the lanes that are on and within their limit lie in the page, as often as possible at its very ends.
+// Addresses such that exactly the lanes that are on and within their limit lie in the page, as often as possible at its very
+// ends.
 class WaveMaker {
  public:
   WaveMaker(const GuardedPage& page, const Shape& shape) : page_(page), shape_(shape), rng_(kSeed) {}
@@ -92,9 +95,12 @@ class WaveMaker {
   uint32_t below(uint32_t n) { return static_cast<uint32_t>(rng_() % n); }
   uint32_t pick(uint32_t last) {
     switch (below(4)) {
-      case 0: return below(4);
-      case 1: return last - below(4);
-      default: return below(last + 1);
+      case 0:
+        return below(4);
+      case 1:
+        return last - below(4);
+      default:
+        return below(last + 1);
     }
   }
   // Lanes below the first active one, or above the last, are in the unmapped pages.
@@ -119,7 +125,9 @@ struct MemoryKernel {
     kernel.wave_stride_bytes = sizeof(MemoryWave);
   }
   ir::Address address(Builder& b) const {
-    const auto per_lane = [&](uint32_t at) { return b.load(Type::kI32, {.base = b.wave_ptr(), .offset = b.i32(at), .lane_stride = 4}); };
+    const auto per_lane = [&](uint32_t at) {
+      return b.load(Type::kI32, {.base = b.wave_ptr(), .offset = b.i32(at), .lane_stride = 4});
+    };
     const auto uniform = [&](Type t, size_t at) { return b.load(t, b.wave_ptr(), static_cast<uint32_t>(at), ir::kSpeculate); };
     ir::Address a{.base = uniform(Type::kPtr, offsetof(MemoryWave, base)), .lane_stride = shape.stride()};
     const bool lanes = shape.form == Form::kGather || shape.form == Form::kGatherStrided || shape.form == Form::kLaneLimit;
@@ -173,8 +181,9 @@ TEST(JitMemory, Loads) {
     Builder b(m.kernel);
     const Value loaded = b.load(shape.type, m.address(b));
     b.store({.base = m.out(b), .offset = b.imul(b.lane(), b.i32(8))}, loaded);
-    assign_rates(m.kernel);
-    expect_same(m.kernel, {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size()});
+    passes::rates(m.kernel);
+    expect_same(m.kernel,
+                {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size()});
   });
 }
 
@@ -192,8 +201,9 @@ TEST(JitMemory, Stores) {
     if (shape.size() == 1) value = b.convert(ir::Op::kTrunc, Type::kI8, value);
     if (ir::is_float(shape.type)) value = b.bitcast(shape.type, value);
     b.store(m.address(b), value);
-    assign_rates(m.kernel);
-    expect_same(m.kernel, {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
+    passes::rates(m.kernel);
+    expect_same(m.kernel,
+                {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
   });
 }
 
@@ -204,7 +214,7 @@ TEST(JitMemory, UniformStoresHappenOnce) {
   MemoryKernel m(shape);
   Builder b(m.kernel);
   b.if_(b.ult(b.lane(), b.i32(3)), [&] { b.store(m.address(b), b.load(Type::kI32, b.wave_ptr(), 0)); });
-  assign_rates(m.kernel);
+  passes::rates(m.kernel);
   expect_same(m.kernel, {.prims = {{nullptr, 0, 64}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
 }
 
@@ -225,8 +235,9 @@ TEST(JitMemory, UnderDivergentControl) {
       const auto r = b.if_else(
           odd, {type}, [&] { return std::vector{b.load(type, m.address(b))}; }, [&] { return std::vector{b.zero(type)}; });
       b.store({.base = m.out(b), .lane_stride = 8}, r[0]);
-      assign_rates(m.kernel);
-      expect_same(m.kernel, {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size()});
+      passes::rates(m.kernel);
+      expect_same(m.kernel,
+                  {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size()});
     }
   }
 }
@@ -240,8 +251,9 @@ TEST(JitMemory, AllLanesStoreIgnoresTheMask) {
     MemoryKernel m(shape);
     Builder b(m.kernel);
     b.store(m.address(b), b.zero(type), ir::kAllLanes);
-    assign_rates(m.kernel);
-    expect_same(m.kernel, {.prims = {{nullptr, 0, 8}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
+    passes::rates(m.kernel);
+    expect_same(m.kernel,
+                {.prims = {{nullptr, 0, 8}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
   }
 }
 
@@ -271,10 +283,11 @@ TEST(JitMemory, Atomics) {
         if (compare) b.store({.base = b.ptr_add(m.out(b), b.i32(0)), .lane_stride = 8}, b.constant(type, 0));
         const Value old = b.atomic(static_cast<ir::AtomicOp>(op), m.address(b), value, comparand);
         b.store({.base = m.out(b), .lane_stride = 8}, old);
-        assign_rates(m.kernel);
+        passes::rates(m.kernel);
         // The page ends with results; zeros in its first part let compare-exchange succeed in places.
         std::memset(page.begin(), 0, 1024);
-        expect_same(m.kernel, {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
+        expect_same(m.kernel,
+                    {.prims = {{nullptr, 0, kWaves}}, .waves = waves.data(), .memory = page.begin(), .memory_bytes = kPageBytes});
       }
     }
   }
@@ -305,8 +318,11 @@ TEST(JitMemory, LargeOffsets) {
         MemoryKernel m(shape);
         Builder b(m.kernel);
         b.store({.base = m.out(b), .lane_stride = 8}, b.load(type, m.address(b)));
-        assign_rates(m.kernel);
-        expect_same(m.kernel, {.prims = {{nullptr, 0, static_cast<uint32_t>(waves.size())}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size()});
+        passes::rates(m.kernel);
+        expect_same(m.kernel, {.prims = {{nullptr, 0, static_cast<uint32_t>(waves.size())}},
+                               .waves = waves.data(),
+                               .memory = out.data(),
+                               .memory_bytes = out.size()});
       }
     }
   }
@@ -337,12 +353,19 @@ TEST(JitMemory, Locals) {
       const Value uniform = b.load(Type::kI32, b.wave_ptr(), offsetof(Wave, uniform_index));
       const auto value = [&](Value x) {
         switch (type) {
-          case Type::kB1: return b.ult(x, b.i32(9));
-          case Type::kI8: case Type::kI16: return b.convert(ir::Op::kTrunc, type, x);
-          case Type::kI64: return b.convert(ir::Op::kZExt, type, x);
-          case Type::kF32: return b.bitcast(type, x);
-          case Type::kPtr: return b.ptr_add(b.zero(type), x);
-          default: return x;
+          case Type::kB1:
+            return b.ult(x, b.i32(9));
+          case Type::kI8:
+          case Type::kI16:
+            return b.convert(ir::Op::kTrunc, type, x);
+          case Type::kI64:
+            return b.convert(ir::Op::kZExt, type, x);
+          case Type::kF32:
+            return b.bitcast(type, x);
+          case Type::kPtr:
+            return b.ptr_add(b.zero(type), x);
+          default:
+            return x;
         }
       };
       uint32_t slot = 0;
@@ -351,7 +374,9 @@ TEST(JitMemory, Locals) {
                      : type == Type::kF32                     ? b.bitcast(Type::kI32, v)
                      : type == Type::kI32                     ? v
                                                               : b.convert(ir::Op::kZExt, Type::kI32, v);
-        b.store({.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(Wave, out)) + slot++ * 64), .lane_stride = 4}, bits);
+        b.store(
+            {.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(Wave, out)) + slot++ * 64), .lane_stride = 4},
+            bits);
       };
       put(b.local_load(array, index));
       b.local_store(array, index, value(b.lane()));
@@ -363,8 +388,11 @@ TEST(JitMemory, Locals) {
       put(b.local_load(array, b.i32(0)));
       put(b.local_load(array, uniform));
       put(b.local_load(array, b.i32(count)));
-      assign_rates(kernel);
-      expect_same(kernel, {.prims = {{nullptr, 0, 12}}, .waves = waves.data(), .memory = waves.data(), .memory_bytes = waves.size() * sizeof(Wave)});
+      passes::rates(kernel);
+      expect_same(kernel, {.prims = {{nullptr, 0, 12}},
+                           .waves = waves.data(),
+                           .memory = waves.data(),
+                           .memory_bytes = waves.size() * sizeof(Wave)});
     }
   }
 }

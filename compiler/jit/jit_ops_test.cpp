@@ -4,6 +4,7 @@
 
 #include "base/half.h"
 #include "compiler/jit/test_rig.h"
+#include "compiler/passes/passes.h"
 
 namespace pineda::jit::test {
 namespace {
@@ -27,21 +28,48 @@ constexpr Type kFloats[] = {Type::kF16, Type::kF32, Type::kF64};
 
 std::vector<uint64_t> specials(Type t) {
   if (t == Type::kF32) {
-    return {0x00000000, 0x80000000, 0x00000001, 0x80000001, 0x007fffff, 0x00800000, 0x3f800000, 0xbf800000, 0x3f7fffff, 0x3f000000,
-            0xbf000000, 0x3fc00000, 0x40200000, 0x4b000001, 0xcb800001, 0x4effffff, 0x4f000000, 0xcf000000, 0xcf000001, 0x4f7fffff,
-            0x4f800000, 0x7f7fffff, 0xff7fffff, 0x7f800000, 0xff800000, 0x7fc00000, 0xffc12345, 0x7f800001, 0x33000000, 0x477ff000,
-            0x477fefff, 0x38800000, 0x387fffff, 0x33000001, 0x5f000000, 0xdf000000};
+    return {0x00000000, 0x80000000, 0x00000001, 0x80000001, 0x007fffff, 0x00800000, 0x3f800000, 0xbf800000, 0x3f7fffff,
+            0x3f000000, 0xbf000000, 0x3fc00000, 0x40200000, 0x4b000001, 0xcb800001, 0x4effffff, 0x4f000000, 0xcf000000,
+            0xcf000001, 0x4f7fffff, 0x4f800000, 0x7f7fffff, 0xff7fffff, 0x7f800000, 0xff800000, 0x7fc00000, 0xffc12345,
+            0x7f800001, 0x33000000, 0x477ff000, 0x477fefff, 0x38800000, 0x387fffff, 0x33000001, 0x5f000000, 0xdf000000};
   }
   if (t == Type::kF16) {
-    return {0x0000, 0x8000, 0x0001, 0x8001, 0x03ff, 0x0400, 0x3c00, 0xbc00, 0x3800, 0x3e00, 0x7bff, 0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x7c01,
-            0xfe55, 0x5bff, 0x57f8, 0xd801};
+    return {0x0000, 0x8000, 0x0001, 0x8001, 0x03ff, 0x0400, 0x3c00, 0xbc00, 0x3800, 0x3e00,
+            0x7bff, 0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x7c01, 0xfe55, 0x5bff, 0x57f8, 0xd801};
   }
   if (t == Type::kF64) {
     std::vector<uint64_t> out;
-    for (double d : {0.0, -0.0, 5e-324, 2.2250738585072014e-308, 1.0, -1.0, 1.5, 2.5, -0.5, 2147483647.0, 2147483648.0, -2147483648.5,
-                     4294967295.5, 4294967296.0, 9.3e18, -9.3e18, 1.9e19, 1e300, -1e-300, INFINITY * 1.0, -INFINITY * 1.0,
-                     65519.99999999999, 65520.0, 5.960464477539063e-08, 2.98023223876953125e-08, 2.9802322387695316e-08, 1e-46, 1.7e38,
-                     3.4028235677973366e38, 1.0000000596046448, 0.333251953125000111}) {
+    for (double d : {0.0,
+                     -0.0,
+                     5e-324,
+                     2.2250738585072014e-308,
+                     1.0,
+                     -1.0,
+                     1.5,
+                     2.5,
+                     -0.5,
+                     2147483647.0,
+                     2147483648.0,
+                     -2147483648.5,
+                     4294967295.5,
+                     4294967296.0,
+                     9.3e18,
+                     -9.3e18,
+                     1.9e19,
+                     1e300,
+                     -1e-300,
+                     INFINITY * 1.0,
+                     -INFINITY * 1.0,
+                     65519.99999999999,
+                     65520.0,
+                     5.960464477539063e-08,
+                     2.98023223876953125e-08,
+                     2.9802322387695316e-08,
+                     1e-46,
+                     1.7e38,
+                     3.4028235677973366e38,
+                     1.0000000596046448,
+                     0.333251953125000111}) {
       out.push_back(std::bit_cast<uint64_t>(d));
     }
     out.push_back(0x7ff8000000000000);
@@ -50,7 +78,8 @@ std::vector<uint64_t> specials(Type t) {
   }
   const uint32_t bits = 8 * ir::size_bytes(t);
   const uint64_t top = 1ull << (bits - 1), all = top | (top - 1);
-  return {0, 1, 2, 3, 5, 7, 8, 10, 15, 16, 31, 32, 33, 63, 64, 100, top, top - 1, top + 1, all, all - 1, all - 6, top / 2, 0x55555555aaaaaaaa & all};
+  return {0,  1,  2,  3,   5,   7,       8,       10,  15,      16,      31,      32,
+          33, 63, 64, 100, top, top - 1, top + 1, all, all - 1, all - 6, top / 2, 0x55555555aaaaaaaa & all};
 }
 
 // Random bits, but for floats half of them with exponents near each other, where rounding and cancellation happen.
@@ -85,7 +114,8 @@ std::vector<OpWave> inputs(const std::array<Type, 3>& types, uint32_t operands) 
     }
   }
   std::mt19937_64 rng(kSeed);
-  for (uint32_t n = 0; n < 4096; ++n) put({random_value(types[0], rng), random_value(types[1], rng), random_value(types[2], rng)});
+  for (uint32_t n = 0; n < 4096; ++n)
+    put({random_value(types[0], rng), random_value(types[1], rng), random_value(types[2], rng)});
   return waves;
 }
 
@@ -126,9 +156,11 @@ class OpRig {
     std::array<Value, 3> in{};
     for (uint32_t i = 0; i < operands_; ++i) {
       const Type t = cases_[0].operand[i];
-      in[i] = t == Type::kB1 ? b.ult(b.lane(), b.i32(5))
-                             : b.load(t, {.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(OpWave, in) + i * sizeof(OpWave::in[0]))),
-                                          .lane_stride = uniform_ ? 0 : ir::size_bytes(t)});
+      in[i] = t == Type::kB1
+                  ? b.ult(b.lane(), b.i32(5))
+                  : b.load(t, {.base = b.wave_ptr(),
+                               .offset = b.i32(static_cast<uint32_t>(offsetof(OpWave, in) + i * sizeof(OpWave::in[0]))),
+                               .lane_stride = uniform_ ? 0 : ir::size_bytes(t)});
     }
     const Value out = b.load(Type::kPtr, b.wave_ptr(), offsetof(OpWave, out));
     for (size_t i = 0; i < cases_.size(); ++i) {
@@ -139,7 +171,7 @@ class OpRig {
       if (c.result == Type::kB1) r = b.convert(Op::kZExt, Type::kI8, r);
       b.store({.base = out, .offset = b.i32(static_cast<uint32_t>(i * kSlotBytes)), .lane_stride = ir::size_bytes(b.type(r))}, r);
     }
-    if (uniform_) assign_rates(kernel_);
+    if (uniform_) passes::rates(kernel_);
   }
 
   std::string describe(size_t byte) const {
@@ -289,14 +321,19 @@ TEST(JitOps, EveryHalf) {
   kernel.wave_stride_bytes = sizeof(OpWave);
   Builder b(kernel);
   const auto in = [&](Type t, uint32_t i) {
-    return b.load(t, {.base = b.wave_ptr(), .offset = b.i32(static_cast<uint32_t>(offsetof(OpWave, in) + i * 128)), .lane_stride = ir::size_bytes(t)});
+    return b.load(t, {.base = b.wave_ptr(),
+                      .offset = b.i32(static_cast<uint32_t>(offsetof(OpWave, in) + i * 128)),
+                      .lane_stride = ir::size_bytes(t)});
   };
   const Value base = b.load(Type::kPtr, b.wave_ptr(), offsetof(OpWave, out));
   const Value wide = b.convert(Op::kFConvert, Type::kF32, in(Type::kF16, 0));
   b.store({.base = base, .lane_stride = 4}, wide);
   b.store({.base = base, .offset = b.i32(64), .lane_stride = 2}, b.convert(Op::kFConvert, Type::kF16, wide));
   b.store({.base = base, .offset = b.i32(128), .lane_stride = 2}, b.convert(Op::kFConvert, Type::kF16, in(Type::kF32, 1)));
-  const Call call{.prims = {{nullptr, 0, static_cast<uint32_t>(waves.size())}}, .waves = waves.data(), .memory = out.data(), .memory_bytes = out.size() * 4};
+  const Call call{.prims = {{nullptr, 0, static_cast<uint32_t>(waves.size())}},
+                  .waves = waves.data(),
+                  .memory = out.data(),
+                  .memory_bytes = out.size() * 4};
   expect_same(kernel, call);
 }
 

@@ -1,5 +1,5 @@
-// Random kernels: the machine code of every ISA leaves the bytes that the evaluator leaves, with and without the passes (rates, hoisting and flattened
-// Ifs give the back end different work).
+// Random kernels: the machine code of every ISA leaves the bytes that the evaluator leaves, with and without the passes (rates,
+// hoisting and flattened Ifs give the back end different work).
 #include "compiler/ir/random_kernel.h"
 #include "compiler/jit/test_rig.h"
 #include "compiler/passes/passes.h"

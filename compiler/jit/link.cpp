@@ -1,8 +1,8 @@
 #include "compiler/jit/link.h"
 
-#include <cmath>
-
 #include <llvm/ExecutionEngine/JITLink/ELF_x86_64.h>
+
+#include <cmath>
 
 #include "compiler/jit/emitter.h"
 
@@ -20,8 +20,8 @@ JITLinkMemoryManager& memory_manager() {
 
 double fma_f64(double a, double b, double c) { return std::fma(a, b, c); }
 
-// One link. No session, no symbol table: a kernel defines one function and needs nothing, so ORC's layers above JITLink have no work to do, and
-// links on several threads share nothing.
+// One link. No session, no symbol table: a kernel defines one function and needs nothing, so ORC's layers above JITLink have no
+// work to do, and links on several threads share nothing.
 class Context final : public JITLinkContext {
  public:
   Context(llvm::StringRef symbol, LinkedCode* out, std::string* error)
@@ -31,8 +31,8 @@ class Context final : public JITLinkContext {
 
   void notifyFailed(llvm::Error failure) override { *error_ = llvm::toString(std::move(failure)); }
 
-  // LLVM calls library functions for some operations on some targets (half conversions, memset, 128-bit division ...). Their bits or their
-  // presence are not ours to rely on: a kernel that needs one is refused.
+  // LLVM calls library functions for some operations on some targets (half conversions, memset, 128-bit division ...). Their bits
+  // or their presence are not ours to rely on: a kernel that needs one is refused.
   void lookup(const LookupMap& symbols, std::unique_ptr<llvm::jitlink::JITLinkAsyncLookupContinuation> continuation) override {
     llvm::jitlink::AsyncLookupResult found;
     for (const auto& [name, flags] : symbols) {
@@ -72,7 +72,8 @@ std::expected<std::unique_ptr<LinkedCode>, std::string> link_object(llvm::String
   if (!graph) return std::unexpected(llvm::toString(graph.takeError()));
   auto code = std::make_unique<LinkedCode>();
   std::string error;
-  llvm::jitlink::link_ELF_x86_64(std::move(*graph), std::make_unique<Context>(symbol, code.get(), &error));  // in-process: synchronous
+  llvm::jitlink::link_ELF_x86_64(std::move(*graph),
+                                 std::make_unique<Context>(symbol, code.get(), &error));  // in-process: synchronous
   if (!error.empty()) return std::unexpected(error);
   return code;
 }

@@ -1,10 +1,10 @@
 // Object -> executable memory, with LLVM's JITLink. Internal to libpineda_jit.so.
 #pragma once
 
+#include <llvm/ExecutionEngine/JITLink/JITLink.h>
+
 #include <expected>
 #include <string>
-
-#include <llvm/ExecutionEngine/JITLink/JITLink.h>
 
 namespace pineda::jit {
 

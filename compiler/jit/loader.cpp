@@ -85,9 +85,12 @@ const Api* api(std::string* error) {
 
 const char* isa_name(Isa isa) {
   switch (isa) {
-    case Isa::kSse42: return "sse42";
-    case Isa::kAvx2: return "avx2";
-    case Isa::kAvx512: return "avx512";
+    case Isa::kSse42:
+      return "sse42";
+    case Isa::kAvx2:
+      return "avx2";
+    case Isa::kAvx512:
+      return "avx512";
   }
   return "?";
 }

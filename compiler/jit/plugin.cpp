@@ -1,12 +1,11 @@
 // The one export of libpineda_jit.so.
+#include <llvm/IR/LLVMContext.h>
+#include <llvm/Support/raw_ostream.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
 #include <mutex>
-
-#include <llvm/IR/LLVMContext.h>
-#include <llvm/Support/raw_ostream.h>
 
 #include "base/config.h"
 #include "compiler/jit/codegen.h"
@@ -66,9 +65,9 @@ Code compile(const ir::Kernel& kernel, const Options& options) {
   if (options.want_assembly) code.assembly = emit_assembly(module, machine);
   const std::string symbol = function->getName().str();
   watch.lap_ms();
-  const auto object = emit_object(module, machine);
+  const llvm::StringRef object = emit_object(module, options.isa);
   const double codegen_ms = watch.lap_ms();
-  auto linked = link_object({object.data(), object.size()}, symbol);
+  auto linked = link_object(object, symbol);
   if (!linked) {
     code.error = "kernel " + kernel.name + ": " + linked.error();
     return code;

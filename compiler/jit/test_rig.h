@@ -1,4 +1,5 @@
-// Shared by the tests of the back end: runs a kernel on every ISA that this CPU has and on the evaluator, and compares the memory they leave.
+// Shared by the tests of the back end: runs a kernel on every ISA that this CPU has and on the evaluator, and compares the memory
+// they leave.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -74,7 +75,8 @@ inline void expect_same(const ir::Kernel& kernel, const Call& call,
                         const std::function<std::string(size_t byte)>& describe = nullptr) {
   ASSERT_EQ(ir::verify(kernel), "") << ir::print(kernel);
   const std::vector<uint8_t> before = snapshot(call);
-  eval::run(kernel, eval::Mode::kF32, call.draw, call.thread, call.prims.data(), static_cast<uint32_t>(call.prims.size()), call.waves);
+  eval::run(kernel, eval::Mode::kF32, call.draw, call.thread, call.prims.data(), static_cast<uint32_t>(call.prims.size()),
+            call.waves);
   const std::vector<uint8_t> expected = snapshot(call);
   for (Isa isa : isas()) {
     const Compiled compiled(kernel, {.isa = isa});
@@ -92,8 +94,5 @@ inline void expect_same(const ir::Kernel& kernel, const Call& call,
   }
   std::memcpy(call.memory, before.data(), before.size());
 }
-
-// Gives each value the slowest rate that is plainly right, so that scalars are tested without the passes.
-void assign_rates(ir::Kernel& kernel);
 
 }  // namespace pineda::jit::test
