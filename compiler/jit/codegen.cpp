@@ -2,6 +2,8 @@
 
 #include <array>
 #include <iterator>
+#include <mutex>
+#include <vector>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -94,65 +96,56 @@ std::unique_ptr<llvm::TargetMachine> create_machine(Isa isa) {
   return machine;
 }
 
-// The code generator's passes, about 100 objects whose creation and scheduling take 0.35 ms: as long as running them on a small
-// kernel. So one list serves many modules, as LLVM allows (llc -run-twice tests it); a new one from time to time bounds what its
-// allocators keep.
-class ObjectEmitter {
- public:
-  explicit ObjectEmitter(llvm::TargetMachine& machine) {
-    llvm::MCContext* context = nullptr;
-    usable_ = !machine.addPassesToEmitMC(passes_, context, stream_);
-  }
-
-  // Valid until the next run; empty when LLVM has no emitter.
-  llvm::StringRef run(llvm::Module& module) {
-    object_.clear();
-    ++runs_;
-    if (usable_) passes_.run(module);
-    return {object_.data(), object_.size()};
-  }
-
-  bool is_worn_out() const { return runs_ >= kMaxRuns; }
-
- private:
-  static constexpr uint32_t kMaxRuns = 256;
-  llvm::SmallVector<char, 0> object_;
-  llvm::raw_svector_ostream stream_{object_};
-  llvm::legacy::PassManager passes_;
-  uint32_t runs_ = 0;
-  bool usable_ = false;
+// Idle back ends. Never destroyed: a thread may still compile while the process exits.
+struct Pool {
+  std::mutex mutex;
+  std::array<std::vector<std::unique_ptr<Backend>>, 3> idle;  // by ISA
 };
+
+Pool& pool() {
+  static Pool* const the_pool = new Pool;
+  return *the_pool;
+}
 
 }  // namespace
 
-llvm::TargetMachine& target_machine(Isa isa) {
-  thread_local std::array<std::unique_ptr<llvm::TargetMachine>, 3> machines;
-  auto& machine = machines[static_cast<size_t>(isa)];
-  if (machine == nullptr) machine = create_machine(isa);
-  return *machine;
-}
+// The code generator's passes, about 100 objects whose creation and scheduling take 0.35 ms: as long as running them on a small
+// kernel. So one list serves many modules, as LLVM allows (llc -run-twice tests it); a new one from time to time bounds what its
+// allocators keep.
+struct Backend::PassList {
+  static constexpr uint32_t kMaxRuns = 256;
+  llvm::SmallVector<char, 0> object;
+  llvm::raw_svector_ostream stream{object};
+  llvm::legacy::PassManager passes;
+  uint32_t runs = 0;
+};
 
-const char* target_name(Isa isa) { return target_of(isa).cpu; }
+Backend::Backend(Isa isa) : isa_(isa), machine_(create_machine(isa)) {}
+Backend::~Backend() = default;
 
-void set_target(llvm::Module& module, llvm::TargetMachine& machine) {
+const char* Backend::cpu() const { return target_of(isa_).cpu; }
+
+void Backend::set_target(llvm::Module& module) {
   module.setTargetTriple(kTriple);
-  module.setDataLayout(machine.createDataLayout());
+  module.setDataLayout(machine_->createDataLayout());
 }
 
-void set_function_target(llvm::Function& function, Isa isa) {
-  const Target& target = target_of(isa);
-  function.addFnAttr("target-cpu", target.cpu);
-  function.addFnAttr("target-features", target.features);
-  function.addFnAttr("prefer-vector-width", target.vector_bits);
-  function.addFnAttr("min-legal-vector-width", target.vector_bits);
+void Backend::set_function_targets(llvm::Module& module) {
+  const Target& target = target_of(isa_);
+  for (llvm::Function& function : module) {
+    function.addFnAttr("target-cpu", target.cpu);
+    function.addFnAttr("target-features", target.features);
+    function.addFnAttr("prefer-vector-width", target.vector_bits);
+    function.addFnAttr("min-legal-vector-width", target.vector_bits);
+  }
 }
 
-void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_locals) {
+void Backend::optimize(llvm::Module& module, bool has_locals) {
   llvm::LoopAnalysisManager loops;
   llvm::FunctionAnalysisManager functions;
   llvm::CGSCCAnalysisManager cgscc;
   llvm::ModuleAnalysisManager modules;
-  llvm::PassBuilder builder(&machine);
+  llvm::PassBuilder builder(machine_.get());
   builder.registerModuleAnalyses(modules);
   builder.registerCGSCCAnalyses(cgscc);
   builder.registerFunctionAnalyses(functions);
@@ -166,21 +159,46 @@ void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_local
   }
 }
 
-llvm::StringRef emit_object(llvm::Module& module, Isa isa) {
-  thread_local std::array<std::unique_ptr<ObjectEmitter>, 3> emitters;
-  auto& emitter = emitters[static_cast<size_t>(isa)];
-  if (emitter == nullptr || emitter->is_worn_out()) emitter = std::make_unique<ObjectEmitter>(target_machine(isa));
-  return emitter->run(module);
+llvm::StringRef Backend::emit_object(llvm::Module& module) {
+  if (passes_ == nullptr || passes_->runs == PassList::kMaxRuns) {
+    passes_ = std::make_unique<PassList>();
+    llvm::MCContext* context = nullptr;
+    if (machine_->addPassesToEmitMC(passes_->passes, context, passes_->stream)) {
+      passes_ = nullptr;
+      return {};
+    }
+  }
+  ++passes_->runs;
+  passes_->object.clear();
+  passes_->passes.run(module);
+  return {passes_->object.data(), passes_->object.size()};
 }
 
-std::string emit_assembly(const llvm::Module& module, llvm::TargetMachine& machine) {
+std::string Backend::emit_assembly(const llvm::Module& module) {
   std::unique_ptr<llvm::Module> copy = llvm::CloneModule(module);
   llvm::SmallString<0> text;
   llvm::raw_svector_ostream stream(text);
   llvm::legacy::PassManager passes;
-  if (machine.addPassesToEmitFile(passes, stream, nullptr, llvm::CodeGenFileType::AssemblyFile)) return {};
+  if (machine_->addPassesToEmitFile(passes, stream, nullptr, llvm::CodeGenFileType::AssemblyFile)) return {};
   passes.run(*copy);
   return text.str().str();
+}
+
+BackendLease::BackendLease(Isa isa) : isa_(isa) {
+  {
+    const std::lock_guard lock(pool().mutex);
+    auto& idle = pool().idle[static_cast<size_t>(isa)];
+    if (!idle.empty()) {
+      backend_ = std::move(idle.back());
+      idle.pop_back();
+    }
+  }
+  if (backend_ == nullptr) backend_ = std::make_unique<Backend>(isa);
+}
+
+BackendLease::~BackendLease() {
+  const std::lock_guard lock(pool().mutex);
+  pool().idle[static_cast<size_t>(isa_)].push_back(std::move(backend_));
 }
 
 }  // namespace pineda::jit

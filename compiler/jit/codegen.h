@@ -5,23 +5,49 @@
 #include <llvm/IR/Module.h>
 #include <llvm/Target/TargetMachine.h>
 
+#include <memory>
 #include <string>
 
 #include "compiler/jit/jit.h"
 
 namespace pineda::jit {
 
-// Of this thread: creating one takes longer than compiling a small kernel, and it is not thread-safe.
-llvm::TargetMachine& target_machine(Isa isa);
-const char* target_name(Isa isa);  // "x86-64-v3"
+// LLVM's code generator for one ISA. One thread at a time; LLVMContexts come and go.
+class Backend {
+ public:
+  explicit Backend(Isa isa);
+  ~Backend();
 
-// Makes `module` one for the target, and its functions ones for the ISA's CPU model.
-void set_target(llvm::Module& module, llvm::TargetMachine& machine);
-void set_function_target(llvm::Function& function, Isa isa);
+  const char* cpu() const;  // "x86-64-v3"
 
-void optimize(llvm::Module& module, llvm::TargetMachine& machine, bool has_locals);
+  // Makes `module`, and later each of its functions, one for this target.
+  void set_target(llvm::Module& module);
+  void set_function_targets(llvm::Module& module);
 
-llvm::StringRef emit_object(llvm::Module& module, Isa isa);                           // valid until this thread's next call
-std::string emit_assembly(const llvm::Module& module, llvm::TargetMachine& machine);  // text, from a copy
+  void optimize(llvm::Module& module, bool has_locals);
+  llvm::StringRef emit_object(llvm::Module& module);      // valid until the next call; empty when LLVM has no emitter
+  std::string emit_assembly(const llvm::Module& module);  // text, from a copy
+
+ private:
+  struct PassList;
+  const Isa isa_;
+  const std::unique_ptr<llvm::TargetMachine> machine_;
+  std::unique_ptr<PassList> passes_;
+};
+
+// A Backend that nobody else uses meanwhile. They are kept, because creating one takes longer than compiling a small kernel, and
+// belong to no thread, because applications create pipelines on threads that come and go.
+class BackendLease {
+ public:
+  explicit BackendLease(Isa isa);
+  ~BackendLease();
+  BackendLease(const BackendLease&) = delete;
+  BackendLease& operator=(const BackendLease&) = delete;
+  Backend* operator->() const { return backend_.get(); }
+
+ private:
+  const Isa isa_;
+  std::unique_ptr<Backend> backend_;
+};
 
 }  // namespace pineda::jit

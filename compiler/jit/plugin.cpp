@@ -50,22 +50,22 @@ class Stopwatch {
 Code compile(const ir::Kernel& kernel, const Options& options) {
   Stopwatch watch;
   Code code;
-  llvm::TargetMachine& machine = target_machine(options.isa);
+  const BackendLease backend(options.isa);
   llvm::LLVMContext context;
   llvm::Module module(kernel.name, context);
-  set_target(module, machine);
+  backend->set_target(module);
   Emitter emitter(module, kernel, options.isa);
   llvm::Function* function = emitter.run(&code.error);
   if (function == nullptr) return code;
-  for (llvm::Function& f : module) set_function_target(f, options.isa);
+  backend->set_function_targets(module);
   const double emit_ms = watch.lap_ms();
-  optimize(module, machine, emitter.has_locals());
+  backend->optimize(module, emitter.has_locals());
   const double passes_ms = watch.lap_ms();
   if (options.want_llvm_ir) code.llvm_ir = to_text(module);
-  if (options.want_assembly) code.assembly = emit_assembly(module, machine);
+  if (options.want_assembly) code.assembly = backend->emit_assembly(module);
   const std::string symbol = function->getName().str();
   watch.lap_ms();
-  const llvm::StringRef object = emit_object(module, options.isa);
+  const llvm::StringRef object = backend->emit_object(module);
   const double codegen_ms = watch.lap_ms();
   auto linked = link_object(object, symbol);
   if (!linked) {
@@ -74,7 +74,7 @@ Code compile(const ir::Kernel& kernel, const Options& options) {
   }
   if (debug(kDebugTime)) {
     std::fprintf(stderr, "pineda: %s %s: emit %.2f, passes %.2f, code generation %.2f, link %.2f ms; %llu bytes\n",
-                 kernel.name.c_str(), target_name(options.isa), emit_ms, passes_ms, codegen_ms, watch.lap_ms(),
+                 kernel.name.c_str(), backend->cpu(), emit_ms, passes_ms, codegen_ms, watch.lap_ms(),
                  static_cast<unsigned long long>((*linked)->size_bytes));
   }
   if (debug(kDebugPerf)) add_to_perf_map(**linked, symbol);
