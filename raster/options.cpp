@@ -14,7 +14,6 @@ Options default_options() {
   options.fast_clear = !debug(kDebugNoFastClear);
   options.opaque = !debug(kDebugNoOpaque);
   options.isa = isa_from_name(config().isa);
-  options.print_statistics = debug(kDebugStats);
   return options;
 }
 

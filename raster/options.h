@@ -21,7 +21,6 @@ struct Options {
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
   size_t max_chunk_entries = 1 << 20;          // bin entries after which a chunk is cut: 4 MiB
   Isa isa = Isa::kSse42;
-  bool print_statistics = false;
 };
 
 // From base/config.h.

@@ -1,6 +1,5 @@
 // Pass: what a pass records. schedule.cpp runs it.
 #include <algorithm>
-#include <cstdio>
 #include <string>
 
 #include "base/format.h"
@@ -72,20 +71,6 @@ HiZMode hi_z_mode(const DrawPacket& packet) {
     default:
       return HiZMode::kNone;
   }
-}
-
-void print_statistics(const PassStatistics& s, const Rect& area) {
-  std::fprintf(stderr,
-               "pineda: pass %dx%d: draws %llu, vertices %llu, triangles in %llu clipped %llu culled %llu binned %llu, bin "
-               "entries %llu, blocks "
-               "shaded %llu hi-z rejected %llu, tiles touched %llu filled %llu untouched %llu, flushes %llu\n",
-               area.x1 - area.x0, area.y1 - area.y0, static_cast<unsigned long long>(s.draws),
-               static_cast<unsigned long long>(s.vertices_shaded), static_cast<unsigned long long>(s.triangles_in),
-               static_cast<unsigned long long>(s.triangles_clipped), static_cast<unsigned long long>(s.triangles_culled),
-               static_cast<unsigned long long>(s.triangles_binned), static_cast<unsigned long long>(s.bin_entries),
-               static_cast<unsigned long long>(s.blocks_shaded), static_cast<unsigned long long>(s.blocks_hi_z_rejected),
-               static_cast<unsigned long long>(s.tiles_touched), static_cast<unsigned long long>(s.tiles_filled),
-               static_cast<unsigned long long>(s.tiles_untouched), static_cast<unsigned long long>(s.flushes));
 }
 
 }  // namespace
@@ -191,7 +176,6 @@ void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<cons
 PassStatistics Pass::end() {
   State& s = *state_;
   s.run_recorded(true);
-  if (s.scene.options.print_statistics) print_statistics(s.statistics, s.scene.grid.area);
   return s.statistics;
 }
 
