@@ -96,75 +96,20 @@ constexpr auto kBlockXy = [] {
 static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) == 10 &&
               offsetof(FragmentWave, block_index) == 12);
 
+// One copy of the code for each instruction set.
 namespace sse42 {
-struct V16 {
-  __m128i q[4];  // one quad of lanes each
-};
-inline V16 splat(int32_t v) {
-  const __m128i q = _mm_set1_epi32(v);
-  return {{q, q, q, q}};
-}
-inline V16 lane_offsets(int32_t a, int32_t b) {
-  const __m128i quad = _mm_set_epi32(static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b)), b, a, 0);
-  const __m128i right = _mm_slli_epi32(_mm_set1_epi32(a), 1), down = _mm_slli_epi32(_mm_set1_epi32(b), 1);
-  const __m128i below = _mm_add_epi32(quad, down);
-  return {{quad, _mm_add_epi32(quad, right), below, _mm_add_epi32(below, right)}};
-}
-template <int kScale>
-inline V16 scale(const V16& v) {
-  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
-  return {{_mm_slli_epi32(v.q[0], kShift), _mm_slli_epi32(v.q[1], kShift), _mm_slli_epi32(v.q[2], kShift),
-           _mm_slli_epi32(v.q[3], kShift)}};
-}
-inline V16 add(const V16& x, const V16& y) {
-  return {{_mm_add_epi32(x.q[0], y.q[0]), _mm_add_epi32(x.q[1], y.q[1]), _mm_add_epi32(x.q[2], y.q[2]),
-           _mm_add_epi32(x.q[3], y.q[3])}};
-}
-inline V16 either(const V16& x, const V16& y) {
-  return {
-      {_mm_or_si128(x.q[0], y.q[0]), _mm_or_si128(x.q[1], y.q[1]), _mm_or_si128(x.q[2], y.q[2]), _mm_or_si128(x.q[3], y.q[3])}};
-}
-inline void store(int32_t* p, const V16& v) {
-  for (int i = 0; i < 4; ++i) _mm_store_si128(reinterpret_cast<__m128i*>(p) + i, v.q[i]);
-}
-inline uint32_t sign_mask(const V16& v) {  // saturating packs keep signs
-  return static_cast<uint32_t>(
-      _mm_movemask_epi8(_mm_packs_epi16(_mm_packs_epi32(v.q[0], v.q[1]), _mm_packs_epi32(v.q[2], v.q[3]))));
-}
+using Part = int32_t __attribute__((vector_size(16)));
+using UPart = uint32_t __attribute__((vector_size(16)));
+inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm_movemask_ps((__m128)v)); }
 #include "raster/coverage_impl.inc"
 }  // namespace sse42
 
 #pragma GCC push_options
 #pragma GCC target("avx2")
 namespace avx2 {
-struct V16 {
-  __m256i h[2];
-};
-inline V16 splat(int32_t v) {
-  const __m256i h = _mm256_set1_epi32(v);
-  return {{h, h}};
-}
-inline V16 lane_offsets(int32_t a, int32_t b) {
-  const int32_t ab = static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
-  const __m128i quad = _mm_set_epi32(ab, b, a, 0);
-  const __m128i right = _mm_add_epi32(quad, _mm_slli_epi32(_mm_set1_epi32(a), 1));
-  const __m256i top = _mm256_inserti128_si256(_mm256_castsi128_si256(quad), right, 1);
-  return {{top, _mm256_add_epi32(top, _mm256_slli_epi32(_mm256_set1_epi32(b), 1))}};
-}
-template <int kScale>
-inline V16 scale(const V16& v) {
-  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
-  return {{_mm256_slli_epi32(v.h[0], kShift), _mm256_slli_epi32(v.h[1], kShift)}};
-}
-inline V16 add(const V16& x, const V16& y) { return {{_mm256_add_epi32(x.h[0], y.h[0]), _mm256_add_epi32(x.h[1], y.h[1])}}; }
-inline V16 either(const V16& x, const V16& y) { return {{_mm256_or_si256(x.h[0], y.h[0]), _mm256_or_si256(x.h[1], y.h[1])}}; }
-inline void store(int32_t* p, const V16& v) {
-  for (int i = 0; i < 2; ++i) _mm256_store_si256(reinterpret_cast<__m256i*>(p) + i, v.h[i]);
-}
-inline uint32_t sign_mask(const V16& v) {
-  return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[0]))) |
-         static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(v.h[1]))) << 8;
-}
+using Part = int32_t __attribute__((vector_size(32)));
+using UPart = uint32_t __attribute__((vector_size(32)));
+inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm256_movemask_ps((__m256)v)); }
 #include "raster/coverage_impl.inc"
 }  // namespace avx2
 #pragma GCC pop_options
@@ -172,43 +117,27 @@ inline uint32_t sign_mask(const V16& v) {
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512dq,avx2")
 namespace avx512 {
-struct V16 {
-  __m512i v;
-};
-inline V16 splat(int32_t v) { return {_mm512_set1_epi32(v)}; }
-inline V16 lane_offsets(int32_t a, int32_t b) {
-  // Bits of a lane's number: x bit 0, y bit 0, x bit 1, y bit 1.
-  const __m512i x = _mm512_set1_epi32(a), y = _mm512_set1_epi32(b);
-  __m512i v = _mm512_maskz_mov_epi32(0xAAAA, x);
-  v = _mm512_mask_add_epi32(v, 0xCCCC, v, y);
-  v = _mm512_mask_add_epi32(v, 0xF0F0, v, _mm512_add_epi32(x, x));
-  return {_mm512_mask_add_epi32(v, 0xFF00, v, _mm512_add_epi32(y, y))};
-}
-template <int kScale>
-inline V16 scale(const V16& v) {
-  constexpr int kShift = kScale == 16 ? 4 : kScale == 4 ? 2 : 0;
-  return {_mm512_maskz_slli_epi32(0xFFFF, v.v, kShift)};  // unmasked, GCC 12 warns about its own header
-}
-inline V16 add(const V16& x, const V16& y) { return {_mm512_add_epi32(x.v, y.v)}; }
-inline V16 either(const V16& x, const V16& y) { return {_mm512_or_si512(x.v, y.v)}; }
-inline void store(int32_t* p, const V16& v) { _mm512_store_si512(p, v.v); }
-inline uint32_t sign_mask(const V16& v) { return _mm512_movepi32_mask(v.v); }
+using Part = int32_t __attribute__((vector_size(64)));
+using UPart = uint32_t __attribute__((vector_size(64)));
+inline uint32_t part_sign_mask(Part v) { return _mm512_movepi32_mask((__m512i)v); }
 #include "raster/coverage_impl.inc"
 }  // namespace avx512
 #pragma GCC pop_options
 
 }  // namespace
 
-CoverFn cover_function(Isa isa) {
+const CoverageFunctions& coverage_functions(Isa isa) {
+  static constexpr CoverageFunctions kSse42{sse42::cover, sse42::cover_small}, kAvx2{avx2::cover, avx2::cover_small},
+      kAvx512{avx512::cover, avx512::cover_small};
   switch (isa) {
     case Isa::kAvx512:
-      return avx512::cover;
+      return kAvx512;
     case Isa::kAvx2:
-      return avx2::cover;
+      return kAvx2;
     case Isa::kSse42:
-      return sse42::cover;
+      return kSse42;
   }
-  return sse42::cover;
+  return kSse42;
 }
 
 }  // namespace pineda::raster

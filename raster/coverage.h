@@ -44,7 +44,22 @@ struct BlockRange {
 // `tile_xy_px` is the tile's position, x + (y << 16).
 using CoverFn = uint32_t (*)(const TileEdges& edges, const BlockRange& range, uint32_t tile_xy_px, FragmentWave* out);
 
-CoverFn cover_function(Isa isa);
+// 16 triangles against one tile: what most of a fine mesh needs.
+struct alignas(64) SmallGroup {
+  uint32_t small;        // bit i: triangle i has at most 2x2 blocks in the tile; the rest says nothing of others
+  int32_t masks[4][16];  // covered lanes of its blocks: first, right of it, below it, right and below
+  int32_t xy_px[4][16];  // their framebuffer position, x + (y << 16)
+  int32_t block[4][16];  // their numbers in the tile
+  float planes[4][16];   // FragmentPrim::l1_dx, l1_dy, l2_dx, l2_dy
+};
+using CoverSmallFn = void (*)(const Triangle* const* triangles, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px,
+                              SmallGroup& group);
+
+struct CoverageFunctions {
+  CoverFn cover;
+  CoverSmallFn cover_small;
+};
+const CoverageFunctions& coverage_functions(Isa isa);
 
 // Deposits the bits of a column into even, those of a row into odd places.
 constexpr uint32_t morton(uint32_t x, uint32_t y) {

@@ -122,10 +122,78 @@ TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
       }
     }
     for (const Isa isa : isas()) {
-      ASSERT_EQ(tile_pixels(cover_function(isa), t, tile_x, tile_y, size), expected)
+      ASSERT_EQ(tile_pixels(coverage_functions(isa).cover, t, tile_x, tile_y, size), expected)
           << "triangle " << i << " isa " << static_cast<int>(isa);
     }
   }
+}
+
+TEST(Coverage, GroupsOfSmallTrianglesEqualScalarReference) {
+  constexpr uint32_t kSeed = 31;
+  std::mt19937 rng(kSeed);
+  uint32_t small_count = 0, large_count = 0;
+  for (int i = 0; i < 600; ++i) {
+    const int32_t size = 16 << i % 3;
+    const int32_t tile_x = static_cast<int32_t>(rng() % 200) * size, tile_y = static_cast<int32_t>(rng() % 200) * size;
+    Triangle triangles[kLanes];
+    const Triangle* pointers[kLanes];
+    std::array<Point, 3> vertices[kLanes];
+    for (uint32_t k = 0; k < kLanes; ++k) {
+      auto& v = vertices[k];
+      const int64_t radius = std::array{100, 500, 1000, 3000, 9000}[rng() % 5];
+      const Point center{tile_x * 256 + static_cast<int64_t>(rng() % (static_cast<uint32_t>(size) * 256)),
+                         tile_y * 256 + static_cast<int64_t>(rng() % (static_cast<uint32_t>(size) * 256))};
+      do {
+        for (Point& p : v) {
+          const Point d = random_point(rng, 0, radius);
+          p = {center.x + d.x, center.y + d.y};
+          if (k % 3 == 0) p = {p.x / 128 * 128, p.y / 128 * 128};  // samples on edges and vertices
+        }
+      } while ((v[1].x - v[0].x) * (v[2].y - v[0].y) == (v[1].y - v[0].y) * (v[2].x - v[0].x));
+      triangles[k] = make_triangle(v);
+      pointers[k] = &triangles[k];
+    }
+    for (const Isa isa : isas()) {
+      SmallGroup group;
+      coverage_functions(isa).cover_small(pointers, tile_x, tile_y, size, group);
+      for (uint32_t k = 0; k < kLanes; ++k) {
+        if (!(group.small >> k & 1)) {
+          ++large_count;
+          continue;
+        }
+        ++small_count;
+        std::vector<bool> got(static_cast<size_t>(size * size)), expected(got.size());
+        for (uint32_t b = 0; b < 4; ++b) {
+          const auto mask = static_cast<uint32_t>(group.masks[b][k]), xy = static_cast<uint32_t>(group.xy_px[b][k]);
+          const int32_t x = static_cast<int32_t>(xy & 0xFFFF) - tile_x, y = static_cast<int32_t>(xy >> 16) - tile_y;
+          if (mask == 0) continue;
+          EXPECT_EQ(morton(static_cast<uint32_t>(x) / 4, static_cast<uint32_t>(y) / 4), static_cast<uint32_t>(group.block[b][k]));
+          for (uint32_t lane = 0; lane < kLanes; ++lane) {
+            if (!(mask >> lane & 1)) continue;
+            const auto px = static_cast<uint32_t>(x) + morton_x(lane), py = static_cast<uint32_t>(y) + morton_y(lane);
+            ASSERT_LT(px, static_cast<uint32_t>(size));
+            ASSERT_LT(py, static_cast<uint32_t>(size));
+            got[py * static_cast<uint32_t>(size) + px] = true;
+          }
+        }
+        for (int32_t p = 0; p < size * size; ++p) {
+          expected[static_cast<size_t>(p)] =
+              covers(vertices[k], {(tile_x + p % size) * 256 + 128, (tile_y + p / size) * 256 + 128});
+        }
+        ASSERT_EQ(got, expected) << "group " << i << " triangle " << k << " isa " << static_cast<int>(isa);
+        // Planes: derivatives of the barycentrics, from double with one rounding more.
+        const auto& v = vertices[k];
+        const double area = static_cast<double>((v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x));
+        const double per_px = 256 / area;
+        EXPECT_EQ(group.planes[0][k], static_cast<float>(static_cast<double>(v[2].y - v[0].y) * per_px));
+        EXPECT_EQ(group.planes[1][k], static_cast<float>(static_cast<double>(v[0].x - v[2].x) * per_px));
+        EXPECT_EQ(group.planes[2][k], static_cast<float>(static_cast<double>(v[0].y - v[1].y) * per_px));
+        EXPECT_EQ(group.planes[3][k], static_cast<float>(static_cast<double>(v[1].x - v[0].x) * per_px));
+      }
+    }
+  }
+  EXPECT_GT(small_count, 5000u);
+  EXPECT_GT(large_count, 1000u);
 }
 
 TEST(Coverage, ExtremeTrianglesDoNotOverflow) {
@@ -137,7 +205,7 @@ TEST(Coverage, ExtremeTrianglesDoNotOverflow) {
   for (const auto& v : extremes) {
     for (const int32_t at : {0, 64, 8192, 16320}) {
       for (const Isa isa : isas()) {
-        const std::vector<bool> got = tile_pixels(cover_function(isa), make_triangle(v), at, at, 64);
+        const std::vector<bool> got = tile_pixels(coverage_functions(isa).cover, make_triangle(v), at, at, 64);
         for (int32_t i = 0; i < 64 * 64; ++i) {
           ASSERT_EQ(got[static_cast<size_t>(i)], covers(v, {(at + i % 64) * 256 + 128, (at + i / 64) * 256 + 128}))
               << at << " pixel " << i;

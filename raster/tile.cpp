@@ -1,27 +1,24 @@
 #include "raster/tile.h"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#else
-#error "tiles have an x86-64 implementation only"
-#endif
-
 namespace pineda::raster {
 namespace {
 
 // Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded
 // twice.
-void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
+void fill_planes(const Triangle& t, FragmentPrim& p) {
   const double x1 = t.x_fx8[1] - t.x_fx8[0], y1 = t.y_fx8[1] - t.y_fx8[0];
   const double x2 = t.x_fx8[2] - t.x_fx8[0], y2 = t.y_fx8[2] - t.y_fx8[0];
   const double per_px = kSubpixels / (x1 * y2 - y1 * x2);
+  p.l1_dx = static_cast<float>(y2 * per_px);
+  p.l1_dy = static_cast<float>(-x2 * per_px);
+  p.l2_dx = static_cast<float>(-y1 * per_px);
+  p.l2_dy = static_cast<float>(x1 * per_px);
+}
+
+// Everything but the planes.
+inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   p.x0_px = static_cast<float>(t.x_fx8[0]) * (1.0f / kSubpixels);
   p.y0_px = static_cast<float>(t.y_fx8[0]) * (1.0f / kSubpixels);
-  const __m128d scale = _mm_set1_pd(per_px);
-  const __m128 l1 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(-x2, y2), scale)),
-               l2 = _mm_cvtpd_ps(_mm_mul_pd(_mm_set_pd(x1, -y1), scale));
-  static_assert(offsetof(FragmentPrim, l2_dx) == offsetof(FragmentPrim, l1_dx) + 8);
-  _mm_storeu_ps(&p.l1_dx, _mm_movelh_ps(l1, l2));  // l1_dx, l1_dy, l2_dx, l2_dy
   p.z0 = t.z0;
   p.dz1 = t.dz1;
   p.dz2 = t.dz2;
@@ -86,7 +83,7 @@ void TileWorker::store(const Scene& scene) {
 
 void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   place(scene, tile);
-  cover_ = cover_function(scene.options.isa);
+  coverage_ = &coverage_functions(scene.options.isa);
   load(scene, state);
   hi_z_on_ = scene.options.hi_z && context_.depth && hi_z_supports(scene.depth.format);
   hi_z_patience_ = kHiZPatience;
@@ -147,8 +144,7 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
   uint32_t entry = 0;
   while (gather(state, segment, entry)) {
     for (uint32_t i = 0; i < item_count_; ++i) {
-      constexpr uint32_t kAhead = 8;  // records are a cache miss each; enough to have as many in flight as the core can
-      if (i + kAhead < item_count_) __builtin_prefetch(items_[i + kAhead].triangle);
+      if (i % kLanes == 0) prepare_group(i);
       const Item& item = items_[i];
       const Batch& batch = item.batches[item.triangle->batch];
       if (batch.draw != draw_) {
@@ -158,11 +154,21 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
       if (batch.draw->is_clear) [[unlikely]] {
         clear_rect(scene, *batch.draw, *item.triangle);
       } else {
-        draw_triangle(*item.triangle, batch, item.covers);
+        draw_triangle(i % kLanes, *item.triangle, batch, item.covers);
       }
     }
   }
   flush();
+}
+
+// Covers the small triangles among the 16 items from `first` on.
+void TileWorker::prepare_group(uint32_t first) {
+  const Triangle* triangles[kLanes];
+  for (uint32_t i = 0; i < kLanes; ++i) triangles[i] = items_[std::min(first + i, item_count_ - 1)].triangle;
+  // The records of the next group: a cache miss each, as many as the core can have in flight.
+  const uint32_t ahead = std::min(first + 2 * kLanes, item_count_);
+  for (uint32_t i = first + kLanes; i < ahead; ++i) __builtin_prefetch(items_[i].triangle);
+  coverage_->cover_small(triangles, position_.x_px, position_.y_px, position_.size_px, group_);
 }
 
 void TileWorker::begin_draw(const Draw& draw) {
@@ -198,7 +204,7 @@ uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
   const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
   const BlockRange range{block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
   const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
-  const uint32_t count = cover_(edges, range, tile_xy_px, waves_ + wave_count_);
+  const uint32_t count = coverage_->cover(edges, range, tile_xy_px, waves_ + wave_count_);
   return draw_rect_full_ ? count : cut_to_rect(count);
 }
 
@@ -266,11 +272,38 @@ inline bool TileWorker::wants_hi_z(uint32_t count) {
   return hi_z_skipped_ == 0;
 }
 
-void TileWorker::draw_triangle(const Triangle& triangle, const Batch& batch, bool covers) {
+// Writes waves for the covered blocks of small triangle i of the group behind those that are queued.
+inline uint32_t TileWorker::put_small(uint32_t i) {
+  FragmentWave* const waves = waves_ + wave_count_;
+  uint32_t count = 0;
+  for (uint32_t b = 0; b < 4; ++b) {
+    const auto mask = static_cast<uint32_t>(group_.masks[b][i]), xy_px = static_cast<uint32_t>(group_.xy_px[b][i]);
+    waves[count] = {0xFFFF, mask, static_cast<uint16_t>(xy_px), static_cast<uint16_t>(xy_px >> 16),
+                    static_cast<uint32_t>(group_.block[b][i])};
+    count += mask != 0;
+  }
+  return count;
+}
+
+// Triangle i of the group.
+void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers) {
   if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
-  uint32_t count = find_blocks(triangle, covers);
-  if (count == 0) return;
   FragmentPrim& prim = prims_[prim_count_];
+  uint32_t count;
+  if (group_.small >> i & 1) {
+    if ((group_.masks[0][i] | group_.masks[1][i] | group_.masks[2][i] | group_.masks[3][i]) == 0) return;
+    count = put_small(i);
+    if (!draw_rect_full_) count = cut_to_rect(count);
+    if (count == 0) return;
+    prim.l1_dx = group_.planes[0][i];
+    prim.l1_dy = group_.planes[1][i];
+    prim.l2_dx = group_.planes[2][i];
+    prim.l2_dy = group_.planes[3][i];
+  } else {
+    count = find_blocks(triangle, covers);
+    if (count == 0) return;
+    fill_planes(triangle, prim);
+  }
   fill_prim(triangle, batch, prim);
   if (wants_hi_z(count)) {
     count = reject_hidden(count, prim);

@@ -39,7 +39,9 @@ class TileWorker {
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
   void begin_draw(const Draw& draw);
-  void draw_triangle(const Triangle& triangle, const Batch& batch, bool covers);
+  void prepare_group(uint32_t first);
+  void draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers);
+  uint32_t put_small(uint32_t i);
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   uint32_t find_blocks(const Triangle& triangle, bool covers);
   uint32_t cut_to_rect(uint32_t count);
@@ -49,7 +51,7 @@ class TileWorker {
   void for_macros(uint32_t count, const Each& each);
   void flush();
 
-  CoverFn cover_ = nullptr;
+  const CoverageFunctions* coverage_ = nullptr;
   TilePosition position_{};
   ThreadContext context_{};
   PodBuffer<uint8_t> buffers_;
@@ -69,6 +71,7 @@ class TileWorker {
   FragmentWave waves_[kMaxWaves + kMaxTileBlocks + 1];  // coverage writes one past what it keeps
   uint32_t item_count_ = 0;
   Item items_[kMaxItems];
+  SmallGroup group_;  // of the 16 items at hand
 };
 
 }  // namespace pineda::raster
