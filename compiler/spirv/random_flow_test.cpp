@@ -149,7 +149,8 @@ struct Writer {
   }
 };
 
-TEST(SpirvRandomFlow, AgreesWithAnInterpreter) {
+// The program's functions as one shader, rewritten by spirv-opt (empty: as it is).
+void check_against_interpreter(const std::string& passes) {
   Writer writer;
   std::vector<std::vector<Node>> programs;
   std::string functions, calls;
@@ -158,14 +159,29 @@ TEST(SpirvRandomFlow, AgreesWithAnInterpreter) {
     functions += "uint f" + std::to_string(f) + "(uint x) {\nuint r = 1u;\n" + writer.print(programs.back()) + "return r;\n}\n";
     calls += "d[lane + " + std::to_string(16 * f) + "u] = f" + std::to_string(f) + "(lane);\n";
   }
-  const Words out = compute(calls, Words(16 * kFunctions, 0), "uint", functions);
+  const Words plain = compute_words(calls, "uint", functions);
+  FakeStage stage;
+  stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
+  stage.buffers[0].words.resize(16 * kFunctions);
+  ASSERT_EQ(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, passes.empty() ? plain : rewritten(plain, passes)), "");
   for (uint32_t f = 0; f < kFunctions; ++f) {
     for (uint32_t x = 0; x < 16; ++x) {
       Machine machine{.x = x};
       machine.run(programs[f]);
-      ASSERT_EQ(out[16 * f + x], machine.r) << "seed " << kSeed << ", x = " << x << "\n" << writer.print(programs[f]);
+      ASSERT_EQ(stage.buffers[0].words[16 * f + x], machine.r) << "seed " << kSeed << ", x = " << x << " " << passes << "\n"
+                                                               << writer.print(programs[f]);
     }
   }
+}
+
+TEST(SpirvRandomFlow, AgreesWithAnInterpreter) { check_against_interpreter(""); }
+TEST(SpirvRandomFlow, OptimisedForSpeed) { check_against_interpreter("-O"); }
+TEST(SpirvRandomFlow, MergedReturnsAndPhis) {
+  check_against_interpreter(
+      "--merge-return --inline-entry-points-exhaustive --eliminate-dead-functions --ssa-rewrite --if-conversion");
+}
+TEST(SpirvRandomFlow, OneIterationLoops) {  // returns become breaks of loops that run once
+  check_against_interpreter("--wrap-opkill --merge-return --eliminate-dead-branches --merge-blocks --loop-unroll-partial 2");
 }
 
 }  // namespace

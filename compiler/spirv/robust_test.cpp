@@ -73,6 +73,8 @@ bool refused(const Words& words, VkShaderStageFlagBits stage) {
   ir::Builder b(kernel);
   if (!translate(**module, b, fake)) return true;
   EXPECT_EQ(ir::verify(kernel), "");
+  passes::optimize(kernel, passes::Form::kMachine);
+  EXPECT_EQ(ir::verify(kernel), "");
   return false;
 }
 

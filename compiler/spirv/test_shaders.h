@@ -67,6 +67,19 @@ inline Words assembly(const std::string& text, const std::string& target = "spv1
   return run_tool("spirv-as", "--target-env " + target + " -", text);
 }
 
+// spirv-opt makes other shapes of the same program: phis instead of variables, merged returns, unrolled loops.
+inline Words rewritten(const Words& words, const std::string& passes) {
+  char path[] = "/tmp/pineda-test-XXXXXX";
+  const int file = mkstemp(path);
+  if (file < 0) return {};
+  close(file);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(words.size() * 4));
+  Words out = run_tool_now("spirv-opt", passes + " " + path, "");
+  std::remove(path);
+  return out;
+}
+
 // Inputs and outputs are lists of per-lane words in the wave record, buffers a table that the draw pointer points to.
 class FakeStage final : public StageInterface {
  public:
