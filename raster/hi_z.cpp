@@ -48,25 +48,56 @@ bool hi_z_supports(VkFormat format) {
   return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM || format == VK_FORMAT_X8_D24_UNORM_PACK32;
 }
 
-TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
-  const float sign = draw.hi_z == HiZMode::kGreater ? -1.0f : 1.0f;
-  const auto size = static_cast<float>(tile.size_px);
-  const float x = static_cast<float>(tile.x_px) + 0.5f - prim.x0_px, y = static_cast<float>(tile.y_px) + 0.5f - prim.y0_px;
-  const float far_x = std::max(std::fabs(x), std::fabs(x + size - 1)), far_y = std::max(std::fabs(y), std::fabs(y + size - 1));
-  const float dz1 = sign * prim.dz1, dz2 = sign * prim.dz2, z0 = sign * prim.z0;
+namespace {
+
+// What bounding a triangle's depth starts with; depths are negated when the test asks for greater ones.
+struct SignedDepth {
+  float sign, z0, dz1, dz2;
+  float x, y;    // of the tile's first pixel, from vertex 0
+  float margin;  // of rounding, anywhere in the tile
+};
+
+inline SignedDepth signed_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
+  SignedDepth d;
+  d.sign = draw.hi_z == HiZMode::kGreater ? -1.0f : 1.0f;
+  d.z0 = d.sign * prim.z0;
+  d.dz1 = d.sign * prim.dz1;
+  d.dz2 = d.sign * prim.dz2;
+  d.x = static_cast<float>(tile.x_px) + 0.5f - prim.x0_px;
+  d.y = static_cast<float>(tile.y_px) + 0.5f - prim.y0_px;
+  const auto last = static_cast<float>(tile.size_px - 1);
+  const float far_x = std::max(std::fabs(d.x), std::fabs(d.x + last)), far_y = std::max(std::fabs(d.y), std::fabs(d.y + last));
   const float s1 = std::fabs(prim.l1_dx) * far_x + std::fabs(prim.l1_dy) * far_y;
   const float s2 = std::fabs(prim.l2_dx) * far_x + std::fabs(prim.l2_dy) * far_y;
-  const float margin = kMargin * (std::fabs(z0) + (1 + s1) * std::fabs(dz1) + (1 + s2) * std::fabs(dz2));
-  const float zx = prim.l1_dx * dz1 + prim.l2_dx * dz2, zy = prim.l1_dy * dz1 + prim.l2_dy * dz2;
+  d.margin = kMargin * (std::fabs(d.z0) + (1 + s1) * std::fabs(d.dz1) + (1 + s2) * std::fabs(d.dz2));
+  return d;
+}
+
+inline float least(const SignedDepth& d) { return std::min(d.z0, std::min(d.z0 + d.dz1, d.z0 + d.dz2)) - d.margin; }
+
+inline float ceiling(const SignedDepth& d, const VkViewport& v) {
+  return d.sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
+}
+
+}  // namespace
+
+TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
+  const SignedDepth d = signed_depth(prim, draw, tile);
+  const float zx = prim.l1_dx * d.dz1 + prim.l2_dx * d.dz2, zy = prim.l1_dy * d.dz1 + prim.l2_dy * d.dz2;
   constexpr float kLast = kBlockDim - 1;  // from a block's first pixel to its least corner
   TriangleDepth depth;
-  depth.least = std::min(z0, std::min(z0 + dz1, z0 + dz2)) - margin;
-  depth.at_origin = z0 + zx * x + zy * y + kLast * (std::min(zx, 0.0f) + std::min(zy, 0.0f)) - margin;
+  depth.least = least(d);
+  depth.at_origin = d.z0 + zx * d.x + zy * d.y + kLast * (std::min(zx, 0.0f) + std::min(zy, 0.0f)) - d.margin;
   depth.dx_block = zx * kBlockDim;
   depth.dy_block = zy * kBlockDim;
-  const VkViewport& v = draw.packet.viewport;
-  depth.ceiling = sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
+  depth.ceiling = ceiling(d, draw.packet.viewport);
   return depth;
+}
+
+float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
+  const SignedDepth d = signed_depth(prim, draw, tile);
+  const float z = least(d), limit = ceiling(d, draw.packet.viewport);
+  return z > limit ? limit : z;  // a NaN stays and hides nothing
 }
 
 void HiZ::begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, bool uniform) {
@@ -119,6 +150,15 @@ void HiZ::refresh(uint32_t block) {
       farthest_[block] = largest_fixed<uint32_t>(texels, 24, negate);
       break;
   }
+}
+
+bool HiZ::hides(uint32_t block, float least) {
+  const uint32_t macro = block / kLanes, bit = 1u << block % kLanes;
+  if (stale_[macro] & bit) {
+    refresh(block);
+    stale_[macro] &= static_cast<uint16_t>(~bit);
+  }
+  return least > farthest_[block];
 }
 
 uint32_t HiZ::survivors(uint32_t macro, uint32_t wanted, const TriangleDepth& depth) {

@@ -30,6 +30,9 @@ struct TriangleDepth {
 };
 TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile);
 
+// The bound without the plane: all that a small triangle is worth.
+float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile);
+
 class HiZ {
  public:
   // `uniform`: every depth of the buffer is the same (a cleared tile).
@@ -44,6 +47,8 @@ class HiZ {
 
   // Of the blocks `wanted` of macro block `macro`, those that may have a fragment that passes.
   uint32_t survivors(uint32_t macro, uint32_t wanted, const TriangleDepth& depth);
+  // No fragment of the block with at least this depth can pass.
+  bool hides(uint32_t block, float least);
 
  private:
   static constexpr uint32_t kMacros = kMaxTileBlocks / kLanes;

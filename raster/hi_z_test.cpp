@@ -111,6 +111,7 @@ TEST(HiZ, NeverHidesAPassingFragment) {
     hi_z.begin_tile(codec.format, buffer, kSize, false);
     hi_z.begin_draw(draw);
     const TriangleDepth depth = triangle_depth(prim, draw, tile);
+    const float least = least_depth(prim, draw, tile);
     for (uint32_t macro = 0; macro < kBlocks / kLanes; ++macro) {
       const uint32_t survivors = hi_z.survivors(macro, 0xFFFF, depth);
       for (uint32_t b = 0; b < kLanes; ++b) {
@@ -118,6 +119,7 @@ TEST(HiZ, NeverHidesAPassingFragment) {
         const bool survives = (survivors >> b & 1) != 0;
         if (passes_somewhere[block]) {
           ++passing_blocks;
+          ASSERT_FALSE(hi_z.hides(block, least)) << "case " << i << " format " << codec.format << " block " << block;
           ASSERT_TRUE(survives) << "case " << i << " format " << codec.format << " block " << block;
         }
         hidden += covered[block] && !survives;

@@ -241,20 +241,28 @@ inline void TileWorker::for_macros(uint32_t count, const Each& each) {
 // Drops new waves whose every fragment must fail the depth test.
 uint32_t TileWorker::reject_hidden(uint32_t count, const FragmentPrim& prim) {
   FragmentWave* const waves = waves_ + wave_count_;
-  const TriangleDepth depth = triangle_depth(prim, *draw_, position_);
   uint32_t kept = 0;
-  for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t first, uint32_t end) {
-    const uint32_t survivors = hi_z_.survivors(macro, blocks, depth);
-    if (survivors == blocks) {
-      if (kept != first) std::memmove(waves + kept, waves + first, (end - first) * sizeof(FragmentWave));
-      kept += end - first;
-      return;
-    }
-    for (uint32_t i = first; i < end && survivors != 0; ++i) {
+  if (count <= kHiZFewBlocks) {
+    const float least = least_depth(prim, *draw_, position_);
+    for (uint32_t i = 0; i < count; ++i) {
       waves[kept] = waves[i];
-      kept += survivors >> waves[kept].block_index % kLanes & 1;
+      kept += !hi_z_.hides(waves[kept].block_index, least);
     }
-  });
+  } else {
+    const TriangleDepth depth = triangle_depth(prim, *draw_, position_);
+    for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t first, uint32_t end) {
+      const uint32_t survivors = hi_z_.survivors(macro, blocks, depth);
+      if (survivors == blocks) {
+        if (kept != first) std::memmove(waves + kept, waves + first, (end - first) * sizeof(FragmentWave));
+        kept += end - first;
+        return;
+      }
+      for (uint32_t i = first; i < end && survivors != 0; ++i) {
+        waves[kept] = waves[i];
+        kept += survivors >> waves[kept].block_index % kLanes & 1;
+      }
+    });
+  }
   statistics.blocks_hi_z_rejected += count - kept;
   if (kept != count) {
     hi_z_patience_ = kHiZPatience;

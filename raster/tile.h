@@ -25,7 +25,7 @@ class TileWorker {
   static constexpr uint32_t kMaxPrims = 128;
   static constexpr uint32_t kMaxWaves = 768;
   static constexpr uint32_t kEagerWaves = 128;  // for draws that write depth under Hi-Z: what is queued hides nothing yet
-  static constexpr uint32_t kHiZPatience = 48, kHiZRetry = 16, kHiZWorthBlocks = 12;
+  static constexpr uint32_t kHiZPatience = 48, kHiZRetry = 16, kHiZWorthBlocks = 12, kHiZFewBlocks = 4;
   static constexpr uint32_t kMaxItems = 512;
   struct Item {
     const Triangle* triangle;
