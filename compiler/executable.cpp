@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <mutex>
 #include <optional>
 
 #include "base/config.h"
@@ -83,14 +84,29 @@ bool has_atomics(const ir::Kernel& kernel) {
 
 class BackedKernel final : public Executable {
  public:
-  Result<void> build(const KernelHash& hash) {
+  explicit BackedKernel(const KernelHash& hash) : hash_(hash) {}
+
+  Result<void> finish() override {
+    std::call_once(once_, [this] {
+      Stopwatch stopwatch;
+      status_ = build();
+      if (debug(kDebugTime) && status_) {
+        std::fprintf(stderr, "pineda: %s: back end %.2f ms, %llu bytes of code\n", ir.name.c_str(), stopwatch.lap_ms(),
+                     static_cast<unsigned long long>(machine_ ? machine_->code().size_bytes : 0));
+      }
+    });
+    return status_;
+  }
+
+ private:
+  Result<void> build() {
     const Mode mode = config().mode;
     if (mode != Mode::kJit) program_.emplace(ir, mode == Mode::kF64 ? eval::Mode::kF64 : eval::Mode::kF32);
     if (mode == Mode::kF32 || mode == Mode::kF64) {
       handle = {&eval::Program::invoke, &*program_};
       return {};
     }
-    Result<std::unique_ptr<MachineCode>> code = compile_machine_code(ir, hash);
+    Result<std::unique_ptr<MachineCode>> code = compile_machine_code(ir, hash_);
     if (!code) return std::unexpected(code.error());
     machine_ = std::move(*code);
     // Other threads may change what an atomic sees between the two runs, so such kernels are not compared.
@@ -99,9 +115,6 @@ class BackedKernel final : public Executable {
     return {};
   }
 
-  uint64_t code_bytes() const { return machine_ ? machine_->code().size_bytes : 0; }
-
- private:
   // PINEDA_MODE=check: what the evaluator would store, then the machine code, then the difference.
   static void run_checked(const KernelHandle* handle, const void* draw, void* thread, const PrimRecord* prims,
                           uint32_t prim_count, const void* waves) {
@@ -124,6 +137,9 @@ class BackedKernel final : public Executable {
     report(Severity::kError, self.ir.name + text);
   }
 
+  const KernelHash hash_;
+  std::once_flag once_;
+  Result<void> status_;  // of build(); valid once `once_` has run
   std::optional<eval::Program> program_;
   std::unique_ptr<MachineCode> machine_;
 };
@@ -178,17 +194,14 @@ Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash)
   Stopwatch stopwatch;
   const bool truth = config().mode == Mode::kF64;
   passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine);
-  auto executable = std::make_shared<BackedKernel>();
+  auto executable = std::make_shared<BackedKernel>(hash);
   if (kernel.kind == ir::KernelKind::kFragment) executable->varyings = kernels::compact_varyings(kernel);
   executable->ir = std::move(kernel);
-  const double passes_ms = stopwatch.lap_ms();
-  if (debug(kDebugIr)) dump(executable->ir.name, hash, "ir", ir::print(executable->ir));
-  if (const Result<void> done = executable->build(hash); !done) return std::unexpected(done.error());
   if (debug(kDebugTime)) {
-    std::fprintf(stderr, "pineda: %s: %zu instructions, passes %.2f ms, back end %.2f ms, %llu bytes of code\n",
-                 executable->ir.name.c_str(), executable->ir.insts.size(), passes_ms, stopwatch.lap_ms(),
-                 static_cast<unsigned long long>(executable->code_bytes()));
+    std::fprintf(stderr, "pineda: %s: %zu instructions, passes %.2f ms\n", executable->ir.name.c_str(),
+                 executable->ir.insts.size(), stopwatch.lap_ms());
   }
+  if (debug(kDebugIr)) dump(executable->ir.name, hash, "ir", ir::print(executable->ir));
   return executable;
 }
 

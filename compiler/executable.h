@@ -1,5 +1,6 @@
-// From an optimised kernel to something that runs: machine code, the evaluator, or both side by side (PINEDA_MODE), with the
-// dumps of PINEDA_DEBUG.
+// From a kernel to something that runs: machine code, the evaluator, or both side by side (PINEDA_MODE), with the dumps of
+// PINEDA_DEBUG. In two steps, so that the passes of one stage can tell what the next one must do (varyings) while the back end,
+// which takes most of the time, runs for both stages at once.
 #pragma once
 
 #include <memory>
@@ -20,10 +21,13 @@ KernelHash hash_kernel(const ir::Kernel& kernel);
 class Executable : public Kernel {
  public:
   std::vector<VaryingSlot> varyings;  // of fragment kernels: slot 4 + i
-};
-using ExecutablePtr = std::shared_ptr<const Executable>;
 
-// Runs passes and back end. Not cached.
+  // Runs the back end: `handle` is valid afterwards. Thread-safe; who comes second waits for the first and gets the same answer.
+  virtual Result<void> finish() = 0;
+};
+using ExecutablePtr = std::shared_ptr<Executable>;
+
+// Runs the passes. Not cached.
 Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash);
 
 }  // namespace pineda::compiler

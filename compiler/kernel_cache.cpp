@@ -7,8 +7,8 @@ namespace pineda::compiler {
 namespace {
 
 struct Entry {
-  std::mutex mutex;  // held while compiling
-  std::weak_ptr<const Executable> executable;
+  std::mutex mutex;  // held while the passes run
+  std::weak_ptr<Executable> executable;
 };
 
 class Cache {

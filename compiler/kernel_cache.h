@@ -6,6 +6,7 @@
 
 namespace pineda::compiler {
 
+// The kernel after its passes; Executable::finish is the caller's to call.
 Result<ExecutablePtr> cached_executable(ir::Kernel kernel);
 
 }  // namespace pineda::compiler
