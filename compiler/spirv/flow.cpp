@@ -27,40 +27,37 @@ void Flow::enter(const Block& block) {
                        " is reached from two constructs");
   }
   emitted_[index] = true;
-  phis(block);
-  for (uint32_t i = block.first; i < block.terminator; ++i) {
-    const Instruction& inst = t_.m.instructions[i];
-    if (inst.op() != spv::OpPhi)
-      t_.instruction(inst);
-    else if (i != block.first && t_.m.instructions[i - 1].op() != spv::OpPhi)
-      t_.instruction(inst);  // fails: not at the head
-  }
+  const uint32_t body = for_each_phi(block, [this](const Instruction& phi) {
+    const std::vector<ir::Type> types = t_.m.flat_scalars(phi.word(1));
+    Values values;
+    for (uint32_t k = 0; k < types.size(); ++k) values.push_back(t_.b.get(t_.phi_var(phi, k, types[k])));
+    t_.define(phi, std::move(values));
+  });
+  for (uint32_t i = body; i < block.terminator; ++i) t_.instruction(t_.m.instructions[i]);
 }
 
-void Flow::phis(const Block& block) {
+// Calls fn for the phis at a block's head (debug lines may stand between them); gives the index of the instruction behind them.
+uint32_t Flow::for_each_phi(const Block& block, const std::function<void(const Instruction&)>& fn) const {
   for (uint32_t i = block.first; i < block.terminator; ++i) {
     const Instruction& inst = t_.m.instructions[i];
-    if (inst.op() != spv::OpPhi) return;
-    const std::vector<ir::Type> types = t_.m.flat_scalars(inst.word(1));
-    Values values;
-    for (uint32_t k = 0; k < types.size(); ++k) values.push_back(t_.b.get(t_.phi_var(inst, k, types[k])));
-    t_.define(inst, std::move(values));
+    if (inst.op() == spv::OpPhi)
+      fn(inst);
+    else if (inst.op() != spv::OpLine && inst.op() != spv::OpNoLine)
+      return i;
   }
+  return block.terminator;
 }
 
 // Sets the phi variables of the block behind an edge. All are read before any is set: phis of one block are assigned at once.
 void Flow::edge(const Block& from, uint32_t to) {
-  const Block& target = block(end_of(from), to);
   std::vector<std::pair<const Instruction*, Values>> assigned;
-  for (uint32_t i = target.first; i < target.terminator; ++i) {
-    const Instruction& inst = t_.m.instructions[i];
-    if (inst.op() != spv::OpPhi) break;
-    for (uint32_t pair = 3; pair < inst.size(); pair += 2) {
-      if (inst.word(pair + 1) != from.label) continue;
-      assigned.emplace_back(&inst, t_.values(inst, pair));
+  for_each_phi(block(end_of(from), to), [&](const Instruction& phi) {
+    for (uint32_t pair = 3; pair < phi.size(); pair += 2) {
+      if (phi.word(pair + 1) != from.label) continue;
+      assigned.emplace_back(&phi, t_.values(phi, pair));
       break;
     }
-  }
+  });
   for (auto& [phi, values] : assigned) {
     const std::vector<ir::Type> types = t_.m.flat_scalars(phi->word(1));
     if (types.size() != values.size()) phi->fail("an operand does not have the result's type");
@@ -239,11 +236,10 @@ bool Flow::loop(const Block& header) {
   t_.in_loop(at, [&] {
     if (!loop_body(header)) return t_.b.b1(false);
     ir::Value again = guard(mark);
-    if (t_.killed().local) {
-      const ir::Value alive = t_.b.not_(t_.b.get(t_.killed()));
-      again = again ? t_.b.and_(again, alive) : alive;
-    }
-    return again ? again : t_.b.b1(true);
+    if (!again) again = t_.b.b1(true);
+    if (!t_.killed().local) return again;
+    const ir::Value live = t_.b.and_(again, t_.b.not_(t_.b.get(t_.killed())));
+    return t_.b.and_(again, t_.b.ine(t_.b.ballot(live), t_.b.i32(0)));
   });
   const bool leaves = jumped_to(header.merge, mark);
   pop_targets(1, mark);

@@ -14,8 +14,9 @@
 //     C: i++  branch H                              (M follows)
 //
 // OpKill and OpTerminateInvocation let the lane run on as a helper invocation, so that derivatives stay defined and no guards are
-// needed: its writes are suppressed (Translator::effect) and it leaves every loop at the end of the iteration, so it cannot run
-// forever in a loop whose exit the discard had made sure of.
+// needed: its writes are suppressed (Translator::effect). Since a discard may be what keeps a lane out of an endless loop, a loop
+// also ends when no lane that is not discarded goes on. A live lane's quad is in its wave, so its neighbours stay with it for
+// as long as it can ask them for a derivative; and the condition is the wave's, so a uniform loop stays uniform.
 #pragma once
 
 #include "compiler/spirv/translator.h"
@@ -60,7 +61,7 @@ class Flow {
   const Block& block(const Instruction& at, uint32_t label) const;
   const Instruction& end_of(const Block& block) const { return t_.m.instructions[block.terminator]; }
   void enter(const Block& block);
-  void phis(const Block& block);
+  uint32_t for_each_phi(const Block& block, const std::function<void(const Instruction&)>& fn) const;
   void edge(const Block& from, uint32_t to);
   bool jump(const Instruction& at, uint32_t to);
   void push_target(const Instruction& at, uint32_t label);

@@ -209,6 +209,7 @@ OpCapability Shader
 OpMemoryModel Logical GLSL450
 OpEntryPoint GLCompute %main "main" %index
 OpExecutionMode %main LocalSize 16 1 1
+%file = OpString "debug lines may stand between phis"
 OpDecorate %index BuiltIn LocalInvocationIndex
 OpDecorate %array ArrayStride 4
 OpMemberDecorate %block 0 Offset 0
@@ -255,7 +256,9 @@ TEST(SpirvFlow, PhisOfALoopAreAssignedAtOnce) {  // a, b = b, a + b: Fibonacci
 OpBranch %head
 %head = OpLabel
 %a = OpPhi %uint %c0 %entry %b %next
+OpLine %file 1 1
 %b = OpPhi %uint %c1 %entry %sum %next
+OpNoLine
 %i = OpPhi %uint %c0 %entry %i1 %next
 %go = OpULessThan %bool %i %x
 OpLoopMerge %done %next None

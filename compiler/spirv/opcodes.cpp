@@ -65,6 +65,32 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(Unreachable, 1, nullptr),
 };
 
+// Not supported; here for their names in messages.
+constexpr OpRow kRefusedRows[] = {
+    PINEDA_SPIRV_ROW(ImageTexelPointer, 6, nullptr),
+    PINEDA_SPIRV_ROW(PtrAccessChain, 5, nullptr),
+    PINEDA_SPIRV_ROW(InBoundsPtrAccessChain, 5, nullptr),
+    PINEDA_SPIRV_ROW(CopyMemorySized, 4, nullptr),
+    PINEDA_SPIRV_ROW(ImageQuerySamples, 4, nullptr),
+    PINEDA_SPIRV_ROW(ImageSparseSampleImplicitLod, 5, nullptr),
+    PINEDA_SPIRV_ROW(ImageSparseSampleExplicitLod, 7, nullptr),
+    PINEDA_SPIRV_ROW(ImageSparseFetch, 5, nullptr),
+    PINEDA_SPIRV_ROW(ImageSparseRead, 5, nullptr),
+    PINEDA_SPIRV_ROW(EmitVertex, 1, nullptr),
+    PINEDA_SPIRV_ROW(EndPrimitive, 1, nullptr),
+    PINEDA_SPIRV_ROW(GroupNonUniformElect, 4, nullptr),
+    PINEDA_SPIRV_ROW(GroupNonUniformAll, 5, nullptr),
+    PINEDA_SPIRV_ROW(GroupNonUniformAny, 5, nullptr),
+    PINEDA_SPIRV_ROW(GroupNonUniformBallot, 5, nullptr),
+    PINEDA_SPIRV_ROW(GroupNonUniformBroadcast, 6, nullptr),
+    PINEDA_SPIRV_ROW(FConvert, 4, nullptr),
+    PINEDA_SPIRV_ROW(AtomicFAddEXT, 7, nullptr),
+    PINEDA_SPIRV_ROW(AtomicFlagTestAndSet, 6, nullptr),
+    PINEDA_SPIRV_ROW(AtomicFlagClear, 4, nullptr),
+    PINEDA_SPIRV_ROW(DecorationGroup, 2, nullptr),
+    PINEDA_SPIRV_ROW(TypeForwardPointer, 3, nullptr),
+};
+
 constexpr uint32_t kDirect = 512;  // core opcodes; extensions' are above 4000 and few
 
 struct Table {
@@ -82,6 +108,7 @@ struct Table {
 
   Table() {
     add(kStructureRows);
+    add(kRefusedRows);
     add(arith_rows());
     add(logic_rows());
     add(composite_rows());

@@ -155,6 +155,18 @@ TEST(SpirvStage, DiscardedLanesLeaveEveryLoop) {  // the loop ends only for lane
   EXPECT_EQ(real(s.at(0)[3]), 8.0f);
 }
 
+TEST(SpirvStage, DiscardedLanesStayWithTheirQuadInLoops) {
+  const FakeStage s =
+      run_fragment(R"(layout(location = 2) in float g; void main() { if ((lane & 3u) == 3u) discard; float sum = 0.0;
+    for (uint i = 0u; i < 3u + (lane >> 2u); ++i) sum += dFdxFine(g * float(i)) + 100.0 * dFdyFine(g * float(i)); r = sum; })");
+  EXPECT_EQ(s.discarded, 0x8888u);
+  for (uint32_t lane = 0; lane < 16; ++lane) {
+    if ((lane & 3) == 3) continue;
+    const uint32_t n = 3 + (lane >> 2);
+    EXPECT_EQ(real(s.at(0)[lane]), 201.0f * n * (n - 1) / 2) << "lane " << lane;  // lane 1 and 2 read lane 3
+  }
+}
+
 TEST(SpirvStage, HelpersWriteNothingButFeedDerivatives) {
   const FakeStage s = run_fragment(
       "void main() { uint old = atomicAdd(d[16], 1u); d[lane] = 5u; r = dFdx(f) + 100.0 * dFdy(f) + float(old) * 0.0; }", 0x00f1);
