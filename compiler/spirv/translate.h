@@ -153,12 +153,13 @@ struct ImageUse {
 };
 
 struct ModuleInfo {
-  std::vector<InterfaceScalar> inputs,
-      outputs;  // that the entry point's static call tree declares, in (location, component) order
+  // In (location, component) order, built-ins first: inputs that the entry point's call tree uses; outputs that it declares, built-in
+  // ones only when they are written.
+  std::vector<InterfaceScalar> inputs, outputs;
   std::vector<ImageUse> images;
   std::array<uint32_t, 3> local_size{1, 1, 1};  // specialised
   uint32_t shared_memory_bytes = 0;
-  bool uses_discard = false;   // OpKill, OpTerminateInvocation, OpDemoteToHelper
+  bool uses_discard = false;   // OpKill, OpTerminateInvocation, OpDemoteToHelperInvocation
   bool writes_memory = false;  // storage buffers, images or atomics
   bool early_fragment_tests = false;
   bool writes_depth = false;
