@@ -34,6 +34,10 @@ struct Variant {
   int threads, tile_px;
 };
 
+void PrintTo(const Variant& v, std::ostream* out) {
+  *out << v.isa << ", " << v.threads << " threads, tiles of " << v.tile_px << " px";
+}
+
 std::vector<Variant> variants() {
   std::vector<Variant> all;
   for (const char* isa : {"sse42", "avx2", "avx512"}) {

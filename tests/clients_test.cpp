@@ -36,6 +36,8 @@ struct BadInput {
   const char* message;  // that must appear
 };
 
+void PrintTo(const BadInput& input, std::ostream* out) { *out << "pineda " << input.arguments; }
+
 class BadInputTest : public testing::TestWithParam<BadInput> {};
 
 TEST_P(BadInputTest, GetsAClearError) {
