@@ -12,8 +12,8 @@
 //             wave- and lane-rate code
 //
 // Lanes of a fragment wave cover a 4x4 block as four 2x2 quads in Z order; a tile buffer stores a block in this order, so one
-// 32-bit attachment block is 64 contiguous bytes (8- and 16-bit texels: 16 or 32 bytes; 64- and 128-bit texels: 2 or 4 planes of 64
-// bytes, plane w holding the w-th 32-bit word of each lane's texel):
+// 32-bit attachment block is 64 contiguous bytes (8- and 16-bit texels: 16 or 32 bytes; 64- and 128-bit texels: 2 or 4 planes of
+// 64 bytes, plane w holding the w-th 32-bit word of each lane's texel):
 //
 //        x 0  1  2  3
 //     y 0  0  1  4  5        quad q = lane >> 2,  x = (lane & 1) + 2 * (q & 1)
@@ -34,9 +34,9 @@ inline constexpr uint32_t kMaxPushConstantBytes = 256;
 inline constexpr uint32_t kMaxVertexBindings = 32;
 inline constexpr uint32_t kMaxVertexAttributes = 32;
 inline constexpr uint32_t kMaxColorAttachments = 8;
-inline constexpr uint32_t kMaxMipLevels = 15;         // 16384 px
+inline constexpr uint32_t kMaxMipLevels = 15;             // 16384 px
 inline constexpr uint32_t kVertexSlotBytes = kLanes * 4;  // one f32/i32 component of 16 vertices
-inline constexpr uint32_t kBlockDim = 4;              // a fragment wave covers kBlockDim x kBlockDim pixels
+inline constexpr uint32_t kBlockDim = 4;                  // a fragment wave covers kBlockDim x kBlockDim pixels
 
 // ---- kernels --------------------------------------------------------------------------------------------------------------
 
@@ -51,8 +51,8 @@ static_assert(sizeof(PrimRecord) == 16);
 struct KernelHandle;
 
 // Thread-safe: a kernel has no state of its own. `thread` points to a ThreadContext that only this thread uses.
-using KernelFn = void (*)(const KernelHandle* self, const void* draw, void* thread, const PrimRecord* prims,
-                          uint32_t prim_count, const void* waves);
+using KernelFn = void (*)(const KernelHandle* self, const void* draw, void* thread, const PrimRecord* prims, uint32_t prim_count,
+                          const void* waves);
 
 // How raster and icd hold a kernel, whether machine code or the evaluator runs it. Lives as long as its pipeline.
 struct KernelHandle {
@@ -75,15 +75,15 @@ struct BufferDescriptor {
 static_assert(sizeof(BufferDescriptor) == 16);
 
 struct MipLevel {
-  uint32_t offset_bytes;     // from ImageDescriptor::address, of layer 0
+  uint32_t offset_bytes;  // from ImageDescriptor::address, of layer 0
   uint32_t row_pitch_bytes;
 };
 
 // Sampled, storage and combined images (with the sampler's data words behind the image's). What selects code (format, filter,
 // address modes) is in compiler/compile.h's TextureState and never read by a kernel; what is only data is here.
 struct ImageDescriptor {
-  uint64_t address;          // of the view's first level and layer
-  uint32_t size_bytes;       // bytes that may be read from address on; 0 for a null image (reads give zero)
+  uint64_t address;               // of the view's first level and layer
+  uint32_t size_bytes;            // bytes that may be read from address on; 0 for a null image (reads give zero)
   uint32_t width, height, depth;  // of the view's first level, texels
   uint32_t level_count, layer_count;
   uint32_t layer_pitch_bytes;
@@ -119,10 +119,10 @@ struct DrawContext {
   uint32_t first_vertex, first_instance, draw_index;  // gl_BaseVertex (vertexOffset as two's complement), gl_BaseInstance
   uint32_t stencil_reference[2], stencil_compare_mask[2], stencil_write_mask[2];  // front, back
   float depth_bounds[2];
-  float depth_clamp[2];                          // viewport's min and max depth
+  float depth_clamp[2];  // viewport's min and max depth
   uint32_t workgroup_count[3];
   uint32_t reserved;
-  const float* srgb_decode;                      // base/srgb.h: set_srgb_tables fills both
+  const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;
 };
 static_assert(sizeof(DrawContext) % 8 == 0);
@@ -133,7 +133,7 @@ struct ThreadContext {
                                          // in the attachment's own format (lane order above)
   uint8_t* depth;
   uint8_t* stencil;
-  uint64_t samples_passed;               // occlusion counter
+  uint64_t samples_passed;  // occlusion counter
   uint64_t reserved;
 };
 
@@ -142,7 +142,7 @@ struct ThreadContext {
 // 16 vertices. The kernel stores component slot s of lane l at out + s * kVertexSlotBytes + l * 4. Slots 0..3 are
 // gl_Position's clip coordinates; the pipeline's varyings follow in the order of compile.h's VaryingSlot list.
 struct VertexWave {
-  uint32_t mask;      // bit l: lane l holds a vertex; other lanes run nothing
+  uint32_t mask;  // bit l: lane l holds a vertex; other lanes run nothing
   uint32_t reserved;
   float* out;
   uint32_t vertex_index[kLanes];    // gl_VertexIndex (vertexOffset included)
@@ -163,23 +163,23 @@ struct FragmentPrim {
   float x0_px, y0_px;
   float l1_dx, l1_dy, l2_dx, l2_dy;  // 1/px
   float z0, dz1, dz2;
-  float iw0, iw1, iw2;               // 1/w of each vertex
-  const float* vertex[3];            // slot 0 of the vertex (lane offset applied); slot s is s * kVertexSlotBytes further.
-                                     // Flat inputs read the provoking vertex: vertex[0] + flat_offset_bytes.
-  uint32_t front_facing;             // 0 or 1
+  float iw0, iw1, iw2;     // 1/w of each vertex
+  const float* vertex[3];  // slot 0 of the vertex (lane offset applied); slot s is s * kVertexSlotBytes further.
+                           // Flat inputs read the provoking vertex: vertex[0] + flat_offset_bytes.
+  uint32_t front_facing;   // 0 or 1
   uint32_t primitive_id;
   uint32_t layer, viewport_index;
-  float point_size;                  // reserved for points
-  int32_t flat_offset_bytes;         // from vertex[0] to the provoking vertex; 0 unless clipping cut the provoking vertex off
+  float point_size;           // reserved for points
+  int32_t flat_offset_bytes;  // from vertex[0] to the provoking vertex; 0 unless clipping cut the provoking vertex off
 };
 static_assert(sizeof(FragmentPrim) == 96);
 
 // One 4x4 block. All 16 lanes execute (uncovered ones as helpers); only covered ones have effects.
 struct FragmentWave {
-  uint32_t exec_mask;      // 0xFFFF
-  uint32_t coverage;       // bit l: lane l is covered
-  uint16_t x_px, y_px;     // framebuffer position of the block's top left pixel
-  uint32_t block_index;    // of the block in the tile buffers
+  uint32_t exec_mask;    // 0xFFFF
+  uint32_t coverage;     // bit l: lane l is covered
+  uint16_t x_px, y_px;   // framebuffer position of the block's top left pixel
+  uint32_t block_index;  // of the block in the tile buffers
 };
 static_assert(sizeof(FragmentWave) == 16);
 

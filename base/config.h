@@ -1,4 +1,5 @@
-// What the environment asks for, read once per process. The one table of debug flags is in config.cpp; PINEDA_DEBUG=help prints it.
+// What the environment asks for, read once per process. The one table of debug flags is in config.cpp; PINEDA_DEBUG=help prints
+// it.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +10,12 @@ namespace pineda {
 enum class Mode : uint8_t { kJit, kF32, kF64, kCheck };
 
 enum DebugFlag : uint32_t {
-  kDebugIr = 1u << 0,        // final IR of each kernel
-  kDebugLlvm = 1u << 1,      // LLVM IR
-  kDebugAsm = 1u << 2,       // machine code
-  kDebugApi = 1u << 3,       // messages of level info
-  kDebugStats = 1u << 4,     // statistics of each render pass
-  kDebugNoHiZ = 1u << 5,     // switch one omission off (same bits)
+  kDebugIr = 1u << 0,     // final IR of each kernel
+  kDebugLlvm = 1u << 1,   // LLVM IR
+  kDebugAsm = 1u << 2,    // machine code
+  kDebugApi = 1u << 3,    // messages of level info
+  kDebugStats = 1u << 4,  // statistics of each render pass
+  kDebugNoHiZ = 1u << 5,  // switch one omission off (same bits)
   kDebugNoFastClear = 1u << 6,
   kDebugNoOpaque = 1u << 7,  // opaque covers drop nothing
   kDebugTime = 1u << 8,      // compile times
@@ -22,12 +23,12 @@ enum DebugFlag : uint32_t {
 };
 
 struct Config {
-  uint32_t threads = 0;       // PINEDA_THREADS; 0 = one per core
-  std::string isa;            // PINEDA_ISA; empty = best
-  Mode mode = Mode::kJit;     // PINEDA_MODE=jit|f32|f64|check
-  uint32_t tile_px = 0;       // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
-  uint32_t debug = 0;         // DebugFlag bits
-  std::string debug_dir;      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
+  uint32_t threads = 0;    // PINEDA_THREADS; 0 = one per core
+  std::string isa;         // PINEDA_ISA; empty = best
+  Mode mode = Mode::kJit;  // PINEDA_MODE=jit|f32|f64|check
+  uint32_t tile_px = 0;    // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
+  uint32_t debug = 0;      // DebugFlag bits
+  std::string debug_dir;   // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };
 
 const Config& config();

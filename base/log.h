@@ -1,4 +1,5 @@
-// Messages. Every one goes through report(), so there is one place to break on. icd installs a sink that forwards to VK_EXT_debug_utils.
+// Messages. Every one goes through report(), so there is one place to break on. icd installs a sink that forwards to
+// VK_EXT_debug_utils.
 #pragma once
 
 #include <functional>

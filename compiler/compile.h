@@ -1,19 +1,19 @@
-// The compiler's public interface: SPIR-V and pipeline state in, kernels out. Knows no Vulkan handle and no LLVM; tools and fuzzers need
-// no device.
+// The compiler's public interface: SPIR-V and pipeline state in, kernels out. Knows no Vulkan handle and no LLVM; tools and
+// fuzzers need no device.
 //
-// Order of work for a graphics pipeline: spirv::parse each stage -> kernels/ build vertex and fragment kernel (the fragment kernel first: it
-// tells which varyings are read) -> passes/ -> jit/ or eval/, as PINEDA_MODE says.
+// Order of work for a graphics pipeline: spirv::parse each stage -> kernels/ build vertex and fragment kernel (the fragment
+// kernel first: it tells which varyings are read) -> passes/ -> jit/ or eval/, as PINEDA_MODE says.
 //
 // Threads: every function may be called from several threads at once; the same kernel (by its IR's hash) is compiled once.
 #pragma once
+
+#include <vulkan/vulkan_core.h>
 
 #include <array>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <vulkan/vulkan_core.h>
 
 #include "base/abi.h"
 #include "compiler/error.h"
@@ -28,9 +28,9 @@ struct DescriptorBinding {
   uint32_t set, binding;
   VkDescriptorType type;
   uint32_t count;
-  uint32_t offset_bytes;      // in the set's memory, of array element 0
-  uint32_t stride_bytes;      // between array elements: sizeof(BufferDescriptor) or sizeof(ImageDescriptor) ...
-  uint32_t dynamic_index;     // of element 0 in DrawContext::dynamic_offsets, for *_DYNAMIC types
+  uint32_t offset_bytes;   // in the set's memory, of array element 0
+  uint32_t stride_bytes;   // between array elements: sizeof(BufferDescriptor) or sizeof(ImageDescriptor) ...
+  uint32_t dynamic_index;  // of element 0 in DrawContext::dynamic_offsets, for *_DYNAMIC types
 };
 
 struct PipelineLayout {
@@ -59,7 +59,7 @@ struct VertexState {
   std::vector<VertexBinding> bindings;
 };
 
-struct BlendState {                 // of one colour attachment
+struct BlendState {                       // of one colour attachment
   VkFormat format = VK_FORMAT_UNDEFINED;  // UNDEFINED: unused attachment
   bool blend_enable = false;
   VkBlendFactor src_color = VK_BLEND_FACTOR_ONE, dst_color = VK_BLEND_FACTOR_ZERO;
@@ -87,7 +87,7 @@ struct TextureState {
   VkFormat format = VK_FORMAT_UNDEFINED;
   VkImageViewType view_type = VK_IMAGE_VIEW_TYPE_2D;
   std::array<uint8_t, 4> swizzle{0, 1, 2, 3};  // source component of each result; 4 = zero, 5 = one
-  bool single_level = false;                    // the view has one level: no LOD is computed
+  bool single_level = false;                   // the view has one level: no LOD is computed
   VkFilter mag_filter = VK_FILTER_NEAREST, min_filter = VK_FILTER_NEAREST;
   VkSamplerMipmapMode mipmap_mode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
   std::array<VkSamplerAddressMode, 3> address{};
@@ -111,11 +111,11 @@ class Kernel {
  public:
   virtual ~Kernel() = default;
   KernelHandle handle;
-  ir::Kernel ir;           // after all passes: what the handle runs
+  ir::Kernel ir;  // after all passes: what the handle runs
 };
 using KernelPtr = std::shared_ptr<const Kernel>;
 
-struct VaryingSlot {       // a component that the fragment kernel reads from the vertex record
+struct VaryingSlot {  // a component that the fragment kernel reads from the vertex record
   uint32_t location, component;
   bool operator==(const VaryingSlot&) const = default;
 };
@@ -126,17 +126,17 @@ struct GraphicsSource {
   const PipelineLayout* layout = nullptr;
   VertexState vertex_input;
   FragmentState state;
-  std::span<const TextureUse> textures;     // of both stages; every spirv::ImageUse that samples must have one
-  std::string name;                         // for dumps
+  std::span<const TextureUse> textures;  // of both stages; every spirv::ImageUse that samples must have one
+  std::string name;                      // for dumps
 };
 
 struct GraphicsKernels {
   KernelPtr vertex;
-  KernelPtr fragment;        // never null: without a fragment shader it tests and writes depth
-  uint32_t vertex_slots = 4; // components per vertex record: 4 (position) + varyings
-  bool early_depth = true;   // the test runs before the shader, so raster may reject by Hi-Z
-  bool reads_color = false;  // some attachment's old value matters (blend or partial write mask)
-  bool opaque = false;       // a fully covered block replaces every attachment's value, nothing can discard
+  KernelPtr fragment;             // never null: without a fragment shader it tests and writes depth
+  uint32_t vertex_slots = 4;      // components per vertex record: 4 (position) + varyings
+  bool early_depth = true;        // the test runs before the shader, so raster may reject by Hi-Z
+  bool reads_color = false;       // some attachment's old value matters (blend or partial write mask)
+  bool opaque = false;            // a fully covered block replaces every attachment's value, nothing can discard
   bool has_side_effects = false;  // storage writes: nothing may be left out
 };
 
@@ -159,8 +159,8 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source);
 // Runs passes and back end on a finished kernel (tests, internal kernels).
 Result<KernelPtr> compile_kernel(ir::Kernel kernel);
 
-// PINEDA_MODE=check, so far: kernel calls that ran both ways, bytes they stored, and those of them in which machine code and evaluator
-// differed. Each call that differs is reported as well.
+// PINEDA_MODE=check, so far: kernel calls that ran both ways, bytes they stored, and those of them in which machine code and
+// evaluator differed. Each call that differs is reported as well.
 struct CheckStatistics {
   uint64_t calls, bytes, differing_bytes;
 };

@@ -7,8 +7,8 @@
 namespace pineda {
 
 struct CompileError {
-  std::string text;       // complete sentence for a person: names the instruction, the capability, the id
-  uint32_t word = 0;      // SPIR-V word offset, 0 when it does not apply
+  std::string text;   // complete sentence for a person: names the instruction, the capability, the id
+  uint32_t word = 0;  // SPIR-V word offset, 0 when it does not apply
 };
 
 template <typename T>

@@ -1,5 +1,5 @@
-// The bit contract on whole scenes: the hashes committed in tests/golden/ for every ISA that the CPU has x thread count x tile size, the evaluator
-// in place of machine code, and both side by side.
+// The bit contract on whole scenes: the hashes committed in tests/golden/ for every ISA that the CPU has x thread count x tile
+// size, the evaluator in place of machine code, and both side by side.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,7 +81,8 @@ TEST(BitContract, EvaluatorDrawsTheSameScenes) {
 TEST(BitContract, MachineCodeAgreesWithTheEvaluatorByteForByte) {
   const ProcessResult result = run_process("PINEDA_MODE=check PINEDA_DEBUG=api " + kGolden);
   EXPECT_EQ(result.exit_status, 0) << result.output;
-  EXPECT_NE(result.output.find(" of which 0 differ"), std::string::npos) << "the driver did not sum up its check:\n" << result.output;
+  EXPECT_NE(result.output.find(" of which 0 differ"), std::string::npos) << "the driver did not sum up its check:\n"
+                                                                         << result.output;
 }
 
 }  // namespace

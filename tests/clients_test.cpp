@@ -11,8 +11,9 @@ namespace {
 const std::string kCommand = PINEDA_BUILD_DIR "/pineda";
 
 TEST(Clients, VulkaninfoListsTheDriver) {
-  const ProcessResult result = run_process("VK_DRIVER_FILES=" PINEDA_BUILD_DIR "/pineda_icd.json VK_ICD_FILENAMES=" PINEDA_BUILD_DIR
-                                           "/pineda_icd.json vulkaninfo --summary");
+  const ProcessResult result =
+      run_process("VK_DRIVER_FILES=" PINEDA_BUILD_DIR "/pineda_icd.json VK_ICD_FILENAMES=" PINEDA_BUILD_DIR
+                  "/pineda_icd.json vulkaninfo --summary");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_NE(result.output.find("deviceName         = Pineda"), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("PHYSICAL_DEVICE_TYPE_CPU"), std::string::npos) << result.output;
@@ -48,7 +49,8 @@ TEST_P(BadInputTest, GetsAClearError) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Clients, BadInputTest,
-                         testing::Values(BadInput{"MissingFile", "compare --out /tmp/pineda-bad /no/such/model.glb", "/no/such/model.glb"},
+                         testing::Values(BadInput{"MissingFile", "compare --out /tmp/pineda-bad /no/such/model.glb",
+                                                  "/no/such/model.glb"},
                                          BadInput{"UnknownScene", "compare --out /tmp/pineda-bad nonsense", "nonsense"},
                                          BadInput{"MissingDriver", "render triangle --driver /no/such/driver.json", "driver"},
                                          BadInput{"EmptySize", "render triangle --size 0x10", "size"},

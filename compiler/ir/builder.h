@@ -26,9 +26,9 @@ struct Var {
 
 // Where a memory access goes. `limit` unset: unchecked.
 struct Address {
-  Value base;      // Ptr
-  Value offset;    // I32, bytes; unset = 0
-  Value limit;     // I32, bytes
+  Value base;    // Ptr
+  Value offset;  // I32, bytes; unset = 0
+  Value limit;   // I32, bytes
   uint32_t lane_stride = 0;
 };
 
@@ -57,6 +57,7 @@ class Builder {
 
   // one function for each row of ops.inc that takes only operands
   Value op(Op op, Type type, std::initializer_list<Value> operands, uint64_t imm = 0, uint8_t flags = 0);
+// clang-format off
 #define PINEDA_UNARY(name, Name) Value name(Value a) { return same(Op::k##Name, a); }
 #define PINEDA_BINARY(name, Name) Value name(Value a, Value c) { return same(Op::k##Name, a, c); }
 #define PINEDA_COMPARE(name, Name) Value name(Value a, Value c) { return op(Op::k##Name, Type::kB1, {a, c}); }
@@ -76,10 +77,13 @@ class Builder {
   PINEDA_UNARY(fsin, FSin) PINEDA_UNARY(fcos, FCos) PINEDA_UNARY(ftan, FTan) PINEDA_UNARY(fasin, FAsin)
   PINEDA_UNARY(facos, FAcos) PINEDA_UNARY(fatan, FAtan) PINEDA_BINARY(fatan2, FAtan2) PINEDA_UNARY(fexp2, FExp2)
   PINEDA_UNARY(flog2, FLog2) PINEDA_UNARY(fexp, FExp) PINEDA_UNARY(flog, FLog) PINEDA_BINARY(fpow, FPow)
+// clang-format on
 #undef PINEDA_UNARY
 #undef PINEDA_BINARY
 #undef PINEDA_COMPARE
-  Value fma(Value a, Value c, Value d) { return op(Op::kFMa, type(a), {a, c, d}); }
+                                                                                      Value fma(Value a, Value c, Value d) {
+    return op(Op::kFMa, type(a), {a, c, d});
+  }
   Value convert(Op op_, Type to, Value a) { return op(op_, to, {a}); }  // FToS ... Trunc
   Value bitcast(Type to, Value a);  // inserts FCanon when `a` is a float that arithmetic produced
   Value select(Value cond, Value a, Value c) { return op(Op::kSelect, type(a), {cond, a, c}); }
@@ -111,8 +115,7 @@ class Builder {
     Value again;              // B1
     std::vector<Value> next;  // as many as init
   };
-  std::vector<Value> loop(const std::vector<Value>& init,
-                          const std::function<LoopStep(std::span<const Value> carried)>& body);
+  std::vector<Value> loop(const std::vector<Value>& init, const std::function<LoopStep(std::span<const Value> carried)>& body);
 
  private:
   Value append(const Inst& inst);

@@ -17,6 +17,31 @@ static_assert(std::size(kOps) == static_cast<size_t>(Op::kCount));
 
 const OpInfo& op_info(Op op) { return kOps[op < Op::kCount ? static_cast<size_t>(op) : 0]; }
 
+bool is_commutative(Op op) {
+  switch (op) {
+    case Op::kIAdd:
+    case Op::kIMul:
+    case Op::kUMulHi:
+    case Op::kSMulHi:
+    case Op::kAnd:
+    case Op::kOr:
+    case Op::kXor:
+    case Op::kSMin:
+    case Op::kSMax:
+    case Op::kUMin:
+    case Op::kUMax:
+    case Op::kIEq:
+    case Op::kINe:
+    case Op::kFAdd:
+    case Op::kFMul:
+    case Op::kFEq:
+    case Op::kFNe:
+      return true;
+    default:
+      return false;
+  }
+}
+
 const char* type_name(Type t) {
   switch (t) {
     case Type::kVoid:

@@ -55,8 +55,23 @@ enum class Op : uint8_t {
 enum class Effect : uint8_t { kPure, kRead, kWrite, kControl };
 
 enum class TypeRule : uint8_t {
-  kAny, kPtr, kI32, kSame, kCompare, kFToI, kIToF, kFToF, kIToI, kBitcast, kSelect, kMaskToB1, kB1ToMask, kPtrAdd, kVoid,
-  kAtomic, kLocalLd
+  kAny,
+  kPtr,
+  kI32,
+  kSame,
+  kCompare,
+  kFToI,
+  kIToF,
+  kFToF,
+  kIToI,
+  kBitcast,
+  kSelect,
+  kMaskToB1,
+  kB1ToMask,
+  kPtrAdd,
+  kVoid,
+  kAtomic,
+  kLocalLd
 };
 
 struct OpInfo {
@@ -66,6 +81,9 @@ struct OpInfo {
   Effect effect;
 };
 const OpInfo& op_info(Op op);
+
+// a op b equals b op a for all values (the sign and payload of a NaN apart, which are unspecified).
+bool is_commutative(Op op);
 
 enum class AtomicOp : uint8_t { kAdd, kAnd, kOr, kXor, kSMin, kSMax, kUMin, kUMax, kExchange, kCompareExchange };
 
@@ -85,15 +103,15 @@ inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whateve
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
 
 inline constexpr uint32_t kMaxOperands = 5;
-inline constexpr uint32_t kMaxRegionDepth = 256;      // of nested Ifs and Loops: passes and back ends recurse over them
-inline constexpr uint64_t kMaxLocalBytes = 131072;    // of all Locals of a lane: back ends keep them on the stack
+inline constexpr uint32_t kMaxRegionDepth = 256;    // of nested Ifs and Loops: passes and back ends recurse over them
+inline constexpr uint64_t kMaxLocalBytes = 131072;  // of all Locals of a lane: back ends keep them on the stack
 
 struct Inst {
   Op op = Op::kInvalid;
   Type type = Type::kVoid;
   Rate rate = Rate::kLane;
   uint8_t flags = 0;
-  uint32_t list = 0;                           // Loop, Yield: index in Kernel::lists
+  uint32_t list = 0;  // Loop, Yield: index in Kernel::lists
   std::array<Value, kMaxOperands> operand{};
   uint64_t imm = 0;
   std::array<RegionId, 2> region{};
@@ -126,11 +144,21 @@ constexpr bool is_float(Type t) { return t == Type::kF16 || t == Type::kF32 || t
 constexpr bool is_int(Type t) { return t >= Type::kI8 && t <= Type::kI64; }
 constexpr uint32_t size_bytes(Type t) {  // in memory; B1 is 1
   switch (t) {
-    case Type::kVoid: return 0;
-    case Type::kB1: case Type::kI8: return 1;
-    case Type::kI16: case Type::kF16: return 2;
-    case Type::kI32: case Type::kF32: return 4;
-    case Type::kI64: case Type::kF64: case Type::kPtr: return 8;
+    case Type::kVoid:
+      return 0;
+    case Type::kB1:
+    case Type::kI8:
+      return 1;
+    case Type::kI16:
+    case Type::kF16:
+      return 2;
+    case Type::kI32:
+    case Type::kF32:
+      return 4;
+    case Type::kI64:
+    case Type::kF64:
+    case Type::kPtr:
+      return 8;
   }
   return 0;
 }

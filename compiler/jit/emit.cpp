@@ -301,8 +301,8 @@ Emitter::V Emitter::vector(ir::Value v) {
 }
 
 Emitter::V Emitter::broadcast_value(V scalar) {
-  // An i1 goes to a mask register as it is. Not as a bitcast of its sign extension to i16: on an `or` of two such masks LLVM 19's DAG
-  // combiner never ends.
+  // An i1 goes to a mask register as it is. Not as a bitcast of its sign extension to i16: on an `or` of two such masks LLVM 19's
+  // DAG combiner never ends.
   if (!scalar->getType()->isIntegerTy(1) || features_.mask_registers) return b_.CreateVectorSplat(kLanes, scalar);
   return b_.CreateVectorSplat(kLanes, b_.CreateSExt(scalar, b_.getInt32Ty()));
 }

@@ -34,30 +34,6 @@ struct KeyHash {
   }
 };
 
-bool is_commutative(Op op) {
-  switch (op) {
-    case Op::kIAdd:
-    case Op::kIMul:
-    case Op::kUMulHi:
-    case Op::kSMulHi:
-    case Op::kAnd:
-    case Op::kOr:
-    case Op::kXor:
-    case Op::kSMin:
-    case Op::kSMax:
-    case Op::kUMin:
-    case Op::kUMax:
-    case Op::kIEq:
-    case Op::kINe:
-    case Op::kFMul:
-    case Op::kFEq:
-    case Op::kFNe:
-      return true;
-    default:
-      return false;
-  }
-}
-
 class Eliminator {
  public:
   explicit Eliminator(ir::Kernel& kernel)
@@ -156,7 +132,7 @@ class Eliminator {
     key.op_type_flags = static_cast<uint32_t>(inst.op) << 16 | static_cast<uint32_t>(inst.type) << 8 | inst.flags;
     key.imm = inst.imm;
     key.operand = {inst.operand[0], inst.operand[1], inst.operand[2]};
-    if (is_commutative(inst.op) && key.operand[0].id > key.operand[1].id) std::swap(key.operand[0], key.operand[1]);
+    if (ir::is_commutative(inst.op) && key.operand[0].id > key.operand[1].id) std::swap(key.operand[0], key.operand[1]);
     return true;
   }
 

@@ -18,31 +18,6 @@ using ir::Value;
 uint32_t width_bits(Type t) { return t == Type::kB1 ? 1 : 8 * ir::size_bytes(t); }
 uint64_t all_ones(Type t) { return width_bits(t) == 64 ? ~0ull : (1ull << width_bits(t)) - 1; }
 
-bool is_commutative(Op op) {
-  switch (op) {
-    case Op::kIAdd:
-    case Op::kIMul:
-    case Op::kUMulHi:
-    case Op::kSMulHi:
-    case Op::kAnd:
-    case Op::kOr:
-    case Op::kXor:
-    case Op::kSMin:
-    case Op::kSMax:
-    case Op::kUMin:
-    case Op::kUMax:
-    case Op::kIEq:
-    case Op::kINe:
-    case Op::kFAdd:
-    case Op::kFMul:
-    case Op::kFEq:
-    case Op::kFNe:
-      return true;
-    default:
-      return false;
-  }
-}
-
 // Whether 1 / v is exact and both are normal numbers of the type, so that x / v and x * (1 / v) round the same exact quotient.
 bool has_exact_reciprocal(Type type, double v) {
   int exponent = 0;
@@ -101,7 +76,7 @@ std::optional<double> Simplifier::number(Value v) const {
 
 Outcome Simplifier::rule(Inst& inst) {
   if (const Outcome out = constants(inst); out.value) return out;
-  if (is_commutative(inst.op) && def(inst.operand[0]).op == Op::kConst && def(inst.operand[1]).op != Op::kConst) {
+  if (ir::is_commutative(inst.op) && def(inst.operand[0]).op == Op::kConst && def(inst.operand[1]).op != Op::kConst) {
     std::swap(inst.operand[0], inst.operand[1]);  // constants stand right: the rules need to look there only
   }
   switch (inst.op) {

@@ -153,8 +153,8 @@ struct ImageUse {
 };
 
 struct ModuleInfo {
-  // In (location, component) order, built-ins first: inputs that the entry point's call tree uses; outputs that it declares, built-in
-  // ones only when they are written.
+  // In (location, component) order, built-ins first: inputs that the entry point's call tree uses; outputs that it declares,
+  // built-in ones only when they are written.
   std::vector<InterfaceScalar> inputs, outputs;
   std::vector<ImageUse> images;
   std::array<uint32_t, 3> local_size{1, 1, 1};  // specialised
