@@ -76,7 +76,7 @@ HiZMode hi_z_mode(const DrawPacket& packet) {
 }  // namespace
 
 Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options& options)
-    : pool(thread_pool), workspace(acquire_workspace(thread_pool.threads())) {
+    : pool(thread_pool), workspace(thread_pool.workspaces().acquire(thread_pool.threads())) {
   scene.options = options;
   scene.color_count = std::min(desc.color_count, kMaxColorAttachments);
   uint32_t bytes_per_px = 0;

@@ -42,7 +42,7 @@ Pass::State::~State() {
   scene.clear_lists();
   scene.tiles.swap(workspace->tiles);
   for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
-  release_workspace(std::move(workspace));
+  pool.workspaces().release(std::move(workspace));
 }
 
 GeometryWorker& Pass::State::geometry_worker(uint32_t thread) {

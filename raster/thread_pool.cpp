@@ -13,6 +13,7 @@
 #include "base/blocked_signals.h"
 #include "base/float_environment.h"
 #include "base/log.h"
+#include "raster/workspace.h"
 
 namespace pineda::raster {
 namespace {
@@ -50,6 +51,7 @@ struct ThreadPool::State {
   static constexpr size_t kLine = 64;
 
   const uint32_t threads;
+  WorkspaceStore workspaces;
   std::vector<std::thread> workers;
 
   // The job; written only while the gate is closed and nobody is inside.
@@ -143,6 +145,7 @@ ThreadPool::~ThreadPool() {
 }
 
 uint32_t ThreadPool::threads() const { return state_->threads; }
+WorkspaceStore& ThreadPool::workspaces() { return state_->workspaces; }
 
 void ThreadPool::parallel_for(uint32_t count, const std::function<void(uint32_t, uint32_t)>& body, bool helpers) {
   ScopedFloatEnvironment float_environment;

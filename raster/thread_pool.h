@@ -7,6 +7,8 @@
 
 namespace pineda::raster {
 
+class WorkspaceStore;
+
 class ThreadPool {
  public:
   // `threads` counts the caller of parallel_for: 1 starts no thread. Workers start on the first parallel_for that wants them.
@@ -15,6 +17,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
 
   uint32_t threads() const;
+  WorkspaceStore& workspaces();  // memory that the passes of this pool reuse
 
   // Calls body(index, thread) for every index in [0, count), each once, and returns when all are done. thread < threads() names
   // the running thread's scratch memory; the caller takes part as thread 0. When a body throws, indices not yet handed out are

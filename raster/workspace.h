@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "raster/geometry.h"
@@ -40,8 +41,15 @@ struct Workspace {
   void give_back(std::unique_ptr<Chunk> chunk);
 };
 
-// From a small process-wide store; thread-safe.
-std::unique_ptr<Workspace> acquire_workspace(uint32_t threads);
-void release_workspace(std::unique_ptr<Workspace> workspace);
+// What a thread pool's passes leave for the next one; thread-safe. Lives as long as the pool, so the memory goes with the device.
+class WorkspaceStore {
+ public:
+  std::unique_ptr<Workspace> acquire(uint32_t threads);
+  void release(std::unique_ptr<Workspace> workspace);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Workspace>> kept_;
+};
 
 }  // namespace pineda::raster
