@@ -109,6 +109,14 @@ struct VertexBufferBinding {
   uint32_t reserved;
 };
 
+// A buffer whose device address was asked for. Ranges of at most 4 GiB - 1: a larger buffer has several.
+struct AddressRange {
+  uint64_t address;
+  uint32_t size_bytes;
+  uint32_t reserved;
+};
+static_assert(sizeof(AddressRange) == 16);
+
 // Bound state of one draw or dispatch; read-only while kernels run.
 struct DrawContext {
   const void* sets[kMaxSets];                    // descriptor memory of each bound set
@@ -121,7 +129,9 @@ struct DrawContext {
   float depth_bounds[2];
   float depth_clamp[2];  // viewport's min and max depth
   uint32_t workgroup_count[3];
-  uint32_t reserved;
+  uint32_t view_index;                  // gl_ViewIndex of this run over the draw
+  const AddressRange* address_ranges;   // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
+  uint32_t address_range_count, reserved;
   const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;
 };

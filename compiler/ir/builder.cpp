@@ -31,6 +31,8 @@ Builder::Builder(Kernel& kernel) : kernel_(&kernel) {
     kernel.regions.emplace_back();
   }
   region_ = kernel.wave;
+  const auto& wave = kernel.regions[kernel.wave].insts;
+  while (local_count_ < wave.size() && kernel.at(wave[local_count_]).op == Op::kLocal) ++local_count_;
 }
 
 Value Builder::append(const Inst& inst) {
@@ -38,8 +40,7 @@ Value Builder::append(const Inst& inst) {
   kernel_->insts.push_back(inst);
   auto& wave = kernel_->regions[kernel_->wave].insts;
   if (inst.op == Op::kLocal) {  // at the head of the wave region, so that it dominates every use
-    const auto not_local = [&](Value v) { return kernel_->at(v).op != Op::kLocal; };
-    wave.insert(std::ranges::find_if(wave, not_local), value);
+    wave.insert(wave.begin() + local_count_++, value);
   } else {
     kernel_->regions[region_].insts.push_back(value);
   }

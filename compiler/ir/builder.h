@@ -124,6 +124,7 @@ class Builder {
 
   Kernel* kernel_;
   RegionId region_;
+  uint32_t local_count_ = 0;  // Locals at the head of the wave region that this Builder knows of
 };
 
 }  // namespace pineda::ir

@@ -63,6 +63,8 @@ class FragmentStage final : public Stage {
         return prim_i32(b, offsetof(FragmentPrim, layer));
       case BuiltIn::kViewportIndex:
         return prim_i32(b, offsetof(FragmentPrim, viewport_index));
+      case BuiltIn::kViewIndex:
+        return load_draw(b, Type::kI32, offsetof(DrawContext, view_index));
       case BuiltIn::kHelperInvocation:
         return as(b, in.type, b.not_(covered_));
       case BuiltIn::kSampleId:

@@ -78,6 +78,11 @@ std::optional<spirv::BufferRef> Stage::buffer(Builder& b, uint32_t set, uint32_t
   return spirv::BufferRef{base, size, is_uniform(where->type)};
 }
 
+std::array<Value, 2> Stage::address_ranges(Builder& b) {
+  return {load_draw(b, Type::kPtr, offsetof(DrawContext, address_ranges)),
+          load_draw(b, Type::kI32, offsetof(DrawContext, address_range_count))};
+}
+
 const compiler::TextureState* Stage::texture_state(const spirv::ImageRef& image, const spirv::ImageRef& sampler) const {
   const auto exact = std::ranges::find_if(
       textures_, [&](const compiler::TextureUse& use) { return use.image == image && use.sampler == sampler; });

@@ -22,6 +22,7 @@ class Stage : public spirv::StageInterface {
   std::optional<std::array<ir::Value, 4>> image_load(ir::Builder& b, const spirv::ImageAccess& access) override;
   bool image_store(ir::Builder& b, const spirv::ImageAccess& access, std::span<const ir::Value> texel) override;
   ir::Value covered(ir::Builder&) override { return {}; }
+  std::array<ir::Value, 2> address_ranges(ir::Builder& b) override;
   ir::Value shared_memory(ir::Builder&) override { return {}; }
 
   // Why the last request was refused; empty when none was.

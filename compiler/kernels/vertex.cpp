@@ -71,6 +71,8 @@ class VertexStage final : public Stage {
         return load_draw(b, Type::kI32, offsetof(DrawContext, first_instance));
       case BuiltIn::kDrawIndex:
         return load_draw(b, Type::kI32, offsetof(DrawContext, draw_index));
+      case BuiltIn::kViewIndex:
+        return load_draw(b, Type::kI32, offsetof(DrawContext, view_index));
       default:
         return {};
     }

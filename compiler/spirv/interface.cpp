@@ -41,6 +41,7 @@ constexpr BuiltInRow kBuiltIns[] = {
     {spv::BuiltInLocalInvocationId, BuiltIn::kLocalInvocationId, ir::Type::kI32, 3},
     {spv::BuiltInGlobalInvocationId, BuiltIn::kGlobalInvocationId, ir::Type::kI32, 3},
     {spv::BuiltInLocalInvocationIndex, BuiltIn::kLocalInvocationIndex, ir::Type::kI32, 1},
+    {spv::BuiltInViewIndex, BuiltIn::kViewIndex, ir::Type::kI32, 1},
 };
 
 // What is inherited on the way from the variable to a scalar.

@@ -54,7 +54,8 @@ enum class BuiltIn : uint8_t {
   kWorkgroupId,
   kLocalInvocationId,
   kGlobalInvocationId,
-  kLocalInvocationIndex
+  kLocalInvocationIndex,
+  kViewIndex
 };
 
 enum class Interpolation : uint8_t { kPerspective, kNoPerspective, kFlat };
@@ -141,6 +142,8 @@ class StageInterface {
   // Fragment stage: B1, lanes whose effects count (covered and not yet discarded). Stores of the shader are guarded by it.
   // Unset for other stages.
   virtual ir::Value covered(ir::Builder& b) = 0;
+  // PhysicalStorageBuffer: the table of AddressRanges (Ptr) and its length (I32). Unset: not supported here.
+  virtual std::array<ir::Value, 2> address_ranges(ir::Builder&) { return {}; }
   // Compute: Ptr to the workgroup's shared memory (size_bytes from ModuleInfo).
   virtual ir::Value shared_memory(ir::Builder& b) = 0;
 };
