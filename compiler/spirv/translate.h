@@ -34,6 +34,8 @@ struct ShaderSource {
 enum class BuiltIn : uint8_t {
   kPosition,
   kPointSize,
+  kClipDistance,
+  kCullDistance,
   kVertexIndex,
   kInstanceIndex,
   kBaseVertex,
