@@ -91,6 +91,9 @@ struct DrawIndexedIndirect {
 struct Dispatch {
   std::array<uint32_t, 3> count;
 };
+struct DispatchBase {
+  std::array<uint32_t, 3> base, count;
+};
 struct DispatchIndirect {
   const Buffer* buffer;
   VkDeviceSize offset;

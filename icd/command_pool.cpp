@@ -48,7 +48,7 @@ VkResult api::ResetCommandPool(VkDevice, VkCommandPool pool, VkCommandPoolResetF
 }
 
 // Recorded commands stay where they are; unused blocks go when a command buffer is reset with RELEASE_RESOURCES.
-void api::TrimCommandPoolKHR(VkDevice, VkCommandPool, VkCommandPoolTrimFlags) {}
+void api::TrimCommandPool(VkDevice, VkCommandPool, VkCommandPoolTrimFlags) {}
 
 VkResult api::AllocateCommandBuffers(VkDevice, const VkCommandBufferAllocateInfo* info, VkCommandBuffer* out) {
   CommandPool& pool = *from(info->commandPool);

@@ -42,20 +42,30 @@ uint32_t descriptor_bytes(VkDescriptorType type) {
   }
 }
 
-VkResult DescriptorSetLayout::check(Device&, const VkDescriptorSetLayoutCreateInfo& info) {
-  if (info.flags != 0) return not_supported("vkCreateDescriptorSetLayout: flags of extensions are not supported");
+namespace {
+
+// What is wrong with a set layout; empty when it can be made.
+std::string unsupported(const VkDescriptorSetLayoutCreateInfo& info) {
+  if (info.flags != 0) return "flags of extensions are not supported";
   uint64_t size_bytes = 0;
   for (uint32_t i = 0; i < info.bindingCount; ++i) {
     const VkDescriptorSetLayoutBinding& binding = info.pBindings[i];
     if (binding.descriptorCount == 0) continue;
     const uint32_t bytes = descriptor_bytes(binding.descriptorType);
     if (bytes == 0) {
-      return not_supported("vkCreateDescriptorSetLayout: descriptor type " + std::to_string(binding.descriptorType) +
-                           " of binding " + std::to_string(binding.binding) + " is not supported");
+      return "descriptor type " + std::to_string(binding.descriptorType) + " of binding " + std::to_string(binding.binding) +
+             " is not supported";
     }
     size_bytes += uint64_t(bytes) * binding.descriptorCount;
   }
-  return size_bytes <= kMaxSetBytes ? VK_SUCCESS : not_supported("vkCreateDescriptorSetLayout: too many descriptors");
+  return size_bytes <= kMaxSetBytes ? "" : "too many descriptors";
+}
+
+}  // namespace
+
+VkResult DescriptorSetLayout::check(Device&, const VkDescriptorSetLayoutCreateInfo& info) {
+  const std::string reason = unsupported(info);
+  return reason.empty() ? VK_SUCCESS : not_supported("vkCreateDescriptorSetLayout: " + reason);
 }
 
 DescriptorSetLayout::DescriptorSetLayout(const Allocator& from_allocator, Device&, const VkDescriptorSetLayoutCreateInfo& info)
@@ -106,6 +116,15 @@ VkResult api::CreateDescriptorSetLayout(VkDevice device, const VkDescriptorSetLa
 
 void api::DestroyDescriptorSetLayout(VkDevice device, VkDescriptorSetLayout layout, const VkAllocationCallbacks* callbacks) {
   destroy_device_object(device, layout, callbacks);
+}
+
+void api::GetDescriptorSetLayoutSupport(VkDevice, const VkDescriptorSetLayoutCreateInfo* info,
+                                        VkDescriptorSetLayoutSupport* out) {
+  out->supported = VK_FALSE;
+  (void)guarded([&] {
+    out->supported = unsupported(*info).empty();
+    return VK_SUCCESS;
+  });
 }
 
 }  // namespace pineda::icd

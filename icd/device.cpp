@@ -1,22 +1,21 @@
 #include "icd/device.h"
 
-#include <algorithm>
-#include <cstring>
-
 #include "base/config.h"
 #include "base/log.h"
 #include "compiler/compile.h"
 #include "icd/api.h"
 #include "icd/extensions.h"
+#include "icd/features.h"
 #include "icd/instance.h"
-#include "icd/limits.h"
 
 namespace pineda::icd {
 
-Device::Device(const Allocator& from, PhysicalDevice& owner, uint32_t gates)
+Device::Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gates)
     : Object(from), physical(owner), pool(render_threads()), queue(*this), gates_(gates) {}
 
-bool Device::has(Gate gate) const { return gate & kDeviceGates ? (gates_ & gate) != 0 : physical.instance.has(gate); }
+bool Device::has(Gate gate) const {
+  return scope_of(gate) == GateScope::kDevice ? gates_.has(gate) : physical.instance.has(gate);
+}
 
 void Device::lose(std::string_view reason, std::source_location where) {
   if (lost_.exchange(true)) return;
@@ -67,25 +66,9 @@ void report_check() {
              " bytes, of which " + std::to_string(checked.differing_bytes) + " differ between machine code and evaluator");
 }
 
-// Every feature is a VkBool32, so the structure is an array of them.
-bool features_available(const VkPhysicalDeviceFeatures& wanted) {
-  constexpr size_t kCount = sizeof(VkPhysicalDeviceFeatures) / sizeof(VkBool32);
-  VkBool32 want[kCount], have[kCount];
-  std::memcpy(want, &wanted, sizeof(want));
-  std::memcpy(have, &kFeatures, sizeof(have));
-  for (size_t i = 0; i < kCount; ++i) {
-    if (want[i] && !have[i]) return false;
-  }
-  return true;
-}
-
 VkResult check(const VkDeviceCreateInfo& info) {
   if (info.pEnabledFeatures && !features_available(*info.pEnabledFeatures)) return VK_ERROR_FEATURE_NOT_PRESENT;
-  for (auto* next = static_cast<const VkBaseInStructure*>(info.pNext); next; next = next->pNext) {
-    if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) continue;
-    if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features))
-      return VK_ERROR_FEATURE_NOT_PRESENT;
-  }
+  if (!features_available(info.pNext)) return VK_ERROR_FEATURE_NOT_PRESENT;
   for (uint32_t i = 0; i < info.queueCreateInfoCount; ++i) {
     const VkDeviceQueueCreateInfo& queue = info.pQueueCreateInfos[i];
     if (queue.queueFamilyIndex != 0 || queue.queueCount > 1) return VK_ERROR_INITIALIZATION_FAILED;
@@ -122,6 +105,18 @@ PFN_vkVoidFunction api::GetDeviceProcAddr(VkDevice device, const char* name) {
 
 void api::GetDeviceQueue(VkDevice device, uint32_t family, uint32_t index, VkQueue* out) {
   *out = family == 0 && index == 0 ? to_handle(&from(device)->queue) : VK_NULL_HANDLE;
+}
+
+void api::GetDeviceQueue2(VkDevice device, const VkDeviceQueueInfo2* info, VkQueue* out) {
+  // Queues are created without flags (there is no protected memory), and only a queue of the same flags is found.
+  *out = VK_NULL_HANDLE;
+  if (info->flags == 0) GetDeviceQueue(device, info->queueFamilyIndex, info->queueIndex, out);
+}
+
+// One physical device: nobody is a peer, but of itself.
+void api::GetDeviceGroupPeerMemoryFeatures(VkDevice, uint32_t, uint32_t, uint32_t, VkPeerMemoryFeatureFlags* out) {
+  *out = VK_PEER_MEMORY_FEATURE_COPY_SRC_BIT | VK_PEER_MEMORY_FEATURE_COPY_DST_BIT | VK_PEER_MEMORY_FEATURE_GENERIC_SRC_BIT |
+         VK_PEER_MEMORY_FEATURE_GENERIC_DST_BIT;
 }
 
 VkResult api::DeviceWaitIdle(VkDevice device) {

@@ -22,7 +22,7 @@ namespace pineda::icd {
 
 class Device : public Dispatchable, public Object {
  public:
-  Device(const Allocator& from, PhysicalDevice& owner, uint32_t gates);
+  Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gates);
 
   PhysicalDevice& physical;
   Notifier notifier;  // fences, events, queries
@@ -46,7 +46,7 @@ class Device : public Dispatchable, public Object {
   void forget_name(uint64_t handle);
 
  private:
-  const uint32_t gates_;  // Gate bits of the enabled device extensions
+  const GateSet gates_;  // of the enabled device extensions
   std::atomic<bool> lost_{false};
   std::atomic<VkDeviceSize> memory_bytes_{0};
   mutable std::mutex names_mutex_;  // guards names_

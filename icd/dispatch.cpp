@@ -12,11 +12,12 @@ PFN_vkVoidFunction erase(auto* function) { return reinterpret_cast<PFN_vkVoidFun
 
 auto make_table() {
   std::array table{
-#define PINEDA_GLOBAL(name) CommandEntry{"vk" #name, erase(&api::name), Level::kGlobal, kCore},
-#define PINEDA_INSTANCE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kInstance, gate},
-#define PINEDA_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, gate},
-#define PINEDA_DEVICE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kDevice, gate},
-#define PINEDA_COMMAND(name) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, kCore},
+#define PINEDA_GLOBAL(name) CommandEntry{"vk" #name, erase(&api::name), Level::kGlobal, Gate::kCore},
+#define PINEDA_INSTANCE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kInstance, Gate::gate},
+#define PINEDA_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, Gate::gate},
+#define PINEDA_DEVICE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kDevice, Gate::gate},
+#define PINEDA_COMMAND(name) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, Gate::kCore},
+#define PINEDA_ALIAS(alias, name, level, gate) CommandEntry{"vk" #alias, erase(&api::name), Level::level, Gate::gate},
 #include "icd/commands.inc"
   };
   std::ranges::sort(table, {}, &CommandEntry::name);

@@ -1,6 +1,7 @@
-// Name -> function, from commands.inc.
+// Name -> function, from commands.inc; and the gates that say which commands exist, from extensions.inc.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <string_view>
 
@@ -10,9 +11,36 @@ namespace pineda::icd {
 
 enum class Level : uint8_t { kGlobal, kInstance, kPhysical, kDevice };
 
-// The extension that must be enabled for a command to exist.
-enum Gate : uint32_t { kCore = 0, kProperties2 = 1, kDebugUtils = 2, kMaintenance1 = 4 };
-inline constexpr uint32_t kDeviceGates = kMaintenance1;  // the others are extensions of the instance
+// The extension that must be enabled for a command to exist; kCore: none.
+enum class Gate : uint8_t {
+  kCore,
+#define PINEDA_EXTENSION(scope, NAME, gate) gate,
+#include "icd/extensions.inc"
+  kCount
+};
+
+enum class GateScope : uint8_t { kInstance, kDevice };
+constexpr GateScope scope_of(Gate gate) {
+  switch (gate) {
+#define PINEDA_EXTENSION(scope, NAME, gate) \
+  case Gate::gate:                          \
+    return GateScope::scope;
+#include "icd/extensions.inc"
+    default:
+      return GateScope::kInstance;
+  }
+}
+
+// The gates that are open.
+class GateSet {
+ public:
+  GateSet() { add(Gate::kCore); }
+  void add(Gate gate) { bits_.set(size_t(gate)); }
+  bool has(Gate gate) const { return bits_.test(size_t(gate)); }
+
+ private:
+  std::bitset<size_t(Gate::kCount)> bits_;
+};
 
 struct CommandEntry {
   std::string_view name;  // with vk

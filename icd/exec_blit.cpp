@@ -7,6 +7,7 @@
 
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/texel.h"
 #include "icd/transfer.h"
 
 namespace pineda::icd {

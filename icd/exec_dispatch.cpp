@@ -8,7 +8,7 @@
 
 namespace pineda::icd {
 
-void Executor::dispatch(std::array<uint32_t, 3> count) {
+void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> count) {
   if (!compute_pipeline_ || pass_ || count[0] == 0 || count[1] == 0 || count[2] == 0) return;
   if (!compute_kernel_) compute_kernel_ = compute_pipeline_->kernel(compute_.sets.data());
   if (!compute_kernel_) {
@@ -18,17 +18,18 @@ void Executor::dispatch(std::array<uint32_t, 3> count) {
   std::ranges::copy(count, compute_.context.workgroup_count);
   raster::dispatch(device_.pool, {.kernel = compute_kernel_->kernel->handle,
                                   .context = &compute_.context,
-                                  .base = {},
+                                  .base = base,
                                   .count = count,
                                   .local_size = compute_kernel_->local_size,
                                   .shared_memory_bytes = compute_kernel_->shared_memory_bytes});
 }
 
-void Executor::execute(const cmd::Dispatch& command) { dispatch(command.count); }
+void Executor::execute(const cmd::Dispatch& command) { dispatch({}, command.count); }
+void Executor::execute(const cmd::DispatchBase& command) { dispatch(command.base, command.count); }
 
 void Executor::execute(const cmd::DispatchIndirect& command) {
   VkDispatchIndirectCommand count;
-  if (command.buffer->read(command.offset, &count)) dispatch({count.x, count.y, count.z});
+  if (command.buffer->read(command.offset, &count)) dispatch({}, {count.x, count.y, count.z});
 }
 
 }  // namespace pineda::icd

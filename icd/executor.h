@@ -64,7 +64,7 @@ class Executor {
   raster::IndexBuffer index_buffer() const;
 
   // exec_dispatch.cpp
-  void dispatch(std::array<uint32_t, 3> count);
+  void dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> count);
 
   Device& device_;
   Arena arena_;  // draw contexts of the subpass

@@ -13,12 +13,9 @@ Instance::~Instance() { remove_messengers(*this); }
 VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* out) {
   return guarded([&] {
     *out = VK_NULL_HANDLE;
-    // "If apiVersion is a version the implementation does not support": a driver without vkEnumerateInstanceVersion knows 1.0
-    // only. The loader rewrites the version for such drivers, so this is met only without a loader.
+    // Any 1.x is right for a driver of 1.1 and later; a variant is another API.
     const uint32_t api = info->pApplicationInfo ? info->pApplicationInfo->apiVersion : 0;
-    if (api != 0 && (VK_API_VERSION_VARIANT(api) != 0 || VK_API_VERSION_MAJOR(api) != 1 || VK_API_VERSION_MINOR(api) != 0)) {
-      return VK_ERROR_INCOMPATIBLE_DRIVER;
-    }
+    if (VK_API_VERSION_VARIANT(api) != 0) return VK_ERROR_INCOMPATIBLE_DRIVER;
     if (info->enabledLayerCount != 0) return VK_ERROR_LAYER_NOT_PRESENT;
     const auto gates = enabled_gates(instance_extensions(), info->enabledExtensionCount, info->ppEnabledExtensionNames);
     if (!gates) return VK_ERROR_EXTENSION_NOT_PRESENT;
@@ -30,6 +27,11 @@ VkResult api::CreateInstance(const VkInstanceCreateInfo* info, const VkAllocatio
 
 void api::DestroyInstance(VkInstance instance, const VkAllocationCallbacks* callbacks) {
   destroy_object(from(instance), callbacks, Allocator());
+}
+
+VkResult api::EnumerateInstanceVersion(uint32_t* out) {
+  *out = kApiVersion;
+  return VK_SUCCESS;
 }
 
 VkResult api::EnumerateInstanceExtensionProperties(const char* layer, uint32_t* count, VkExtensionProperties* out) {

@@ -9,16 +9,16 @@ namespace pineda::icd {
 
 class Instance : public Dispatchable, public Object {
  public:
-  Instance(const Allocator& from, uint32_t gates) : Object(from), physical_device(*this), gates_(gates) {}
+  Instance(const Allocator& from, const GateSet& gates) : Object(from), physical_device(*this), gates_(gates) {}
   ~Instance();
 
   // Commands of device extensions exist for the instance whether a device enables them or not.
-  bool has(Gate gate) const { return gate == kCore || ((gates_ | kDeviceGates) & gate) != 0; }
+  bool has(Gate gate) const { return scope_of(gate) == GateScope::kDevice || gates_.has(gate); }
 
   PhysicalDevice physical_device;
 
  private:
-  const uint32_t gates_;  // Gate bits of the enabled extensions
+  const GateSet gates_;  // of the enabled extensions
 };
 
 }  // namespace pineda::icd

@@ -46,6 +46,8 @@ PINEDA_HANDLE(PipelineLayout, VkPipelineLayout)
 PINEDA_HANDLE(DescriptorSetLayout, VkDescriptorSetLayout)
 PINEDA_HANDLE(DescriptorPool, VkDescriptorPool)
 PINEDA_HANDLE(DescriptorSet, VkDescriptorSet)
+PINEDA_HANDLE(DescriptorUpdateTemplate, VkDescriptorUpdateTemplate)
+PINEDA_HANDLE(SamplerYcbcrConversion, VkSamplerYcbcrConversion)
 PINEDA_HANDLE(CommandPool, VkCommandPool)
 PINEDA_HANDLE(DebugMessenger, VkDebugUtilsMessengerEXT)
 #undef PINEDA_HANDLE

@@ -27,30 +27,8 @@ VkDeviceSize control_group_limit_bytes() {
 }
 
 std::string device_name() {
-  static constexpr struct {
-    jit::Isa isa;
-    const char* text;
-  } kIsaNames[] = {{jit::Isa::kSse42, "SSE4.2"}, {jit::Isa::kAvx2, "AVX2"}, {jit::Isa::kAvx512, "AVX-512"}};
-  std::string text = "Pineda (";
-  switch (config().mode) {
-    case Mode::kF32:
-      text += "f32 evaluator";
-      break;
-    case Mode::kF64:
-      text += "f64 evaluator";
-      break;
-    case Mode::kJit:
-    case Mode::kCheck: {
-      std::string error;  // told again, as an error, by the first compile
-      const jit::Isa isa = jit::select_isa(&error);
-      for (const auto& row : kIsaNames) {
-        if (row.isa == isa) text += row.text;
-      }
-      break;
-    }
-  }
   const uint32_t threads = render_threads();
-  return text + ", " + std::to_string(threads) + (threads == 1 ? " thread)" : " threads)");
+  return "Pineda (" + code_path_name() + ", " + std::to_string(threads) + (threads == 1 ? " thread)" : " threads)");
 }
 
 template <size_t kSize>
@@ -58,26 +36,44 @@ void copy_text(char (&to)[kSize], const std::string& text) {
   std::snprintf(to, kSize, "%s", text.c_str());
 }
 
-void fill(VkPhysicalDeviceDriverPropertiesKHR& to) {
-  to.driverID = VkDriverId(0);  // ids are registered with Khronos; this driver has none yet
-  copy_text(to.driverName, "Pineda");
-  copy_text(to.driverInfo, std::string("Pineda ") + kDriverVersionText);
-  to.conformanceVersion = {0, 0, 0, 0};  // nothing has been submitted
-}
-
-VkQueueFamilyProperties queue_family() {
-  return {.queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT,
-          .queueCount = 1,
-          .timestampValidBits = 64,
-          .minImageTransferGranularity = {1, 1, 1}};
-}
-
 }  // namespace
+
+std::span<const VkQueueFamilyProperties> queue_families() {
+  static constexpr VkQueueFamilyProperties kFamilies[] = {
+      {.queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT,
+       .queueCount = 1,
+       .timestampValidBits = 64,
+       .minImageTransferGranularity = {1, 1, 1}},
+  };
+  return kFamilies;
+}
 
 VkDeviceSize memory_heap_bytes() {
   static const VkDeviceSize bytes =
       std::min(VkDeviceSize(sysconf(_SC_PHYS_PAGES)) * VkDeviceSize(sysconf(_SC_PAGESIZE)), control_group_limit_bytes());
   return bytes;
+}
+
+std::string code_path_name() {
+  static constexpr struct {
+    jit::Isa isa;
+    const char* text;
+  } kIsaNames[] = {{jit::Isa::kSse42, "SSE4.2"}, {jit::Isa::kAvx2, "AVX2"}, {jit::Isa::kAvx512, "AVX-512"}};
+  switch (config().mode) {
+    case Mode::kF32:
+      return "f32 evaluator";
+    case Mode::kF64:
+      return "f64 evaluator";
+    case Mode::kJit:
+    case Mode::kCheck:
+      break;
+  }
+  std::string error;  // told again, as an error, by the first compile
+  const jit::Isa isa = jit::select_isa(&error);
+  for (const auto& row : kIsaNames) {
+    if (row.isa == isa) return row.text;
+  }
+  return "unknown";
 }
 
 uint32_t render_threads() {
@@ -106,8 +102,7 @@ void api::GetPhysicalDeviceProperties(VkPhysicalDevice, VkPhysicalDeviceProperti
 }
 
 void api::GetPhysicalDeviceQueueFamilyProperties(VkPhysicalDevice, uint32_t* count, VkQueueFamilyProperties* out) {
-  const VkQueueFamilyProperties families[] = {queue_family()};
-  (void)enumerate(std::span<const VkQueueFamilyProperties>(families), count, out);
+  (void)enumerate(queue_families(), count, out);
 }
 
 void api::GetPhysicalDeviceMemoryProperties(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* out) {
@@ -143,45 +138,6 @@ VkResult api::EnumerateDeviceExtensionProperties(VkPhysicalDevice, const char* l
 VkResult api::EnumerateDeviceLayerProperties(VkPhysicalDevice, uint32_t* count, VkLayerProperties*) {
   *count = 0;
   return VK_SUCCESS;
-}
-
-// ---- VK_KHR_get_physical_device_properties2: the same answers, and the structures that a chain asks for
-// -------------------------
-
-void api::GetPhysicalDeviceFeatures2KHR(VkPhysicalDevice, VkPhysicalDeviceFeatures2* out) { out->features = kFeatures; }
-
-void api::GetPhysicalDeviceProperties2KHR(VkPhysicalDevice device, VkPhysicalDeviceProperties2* out) {
-  GetPhysicalDeviceProperties(device, &out->properties);
-  for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext) {
-    // Structures of extensions that we do not have stay as they are ("ignored").
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES) {
-      fill(*reinterpret_cast<VkPhysicalDeviceDriverProperties*>(next));
-    }
-  }
-}
-
-void api::GetPhysicalDeviceFormatProperties2KHR(VkPhysicalDevice, VkFormat format, VkFormatProperties2* out) {
-  out->formatProperties = format_properties(format);
-}
-
-VkResult api::GetPhysicalDeviceImageFormatProperties2KHR(VkPhysicalDevice, const VkPhysicalDeviceImageFormatInfo2* info,
-                                                         VkImageFormatProperties2* out) {
-  return image_format_properties({info->format, info->type, info->tiling, info->usage, info->flags}, &out->imageFormatProperties);
-}
-
-void api::GetPhysicalDeviceQueueFamilyProperties2KHR(VkPhysicalDevice, uint32_t* count, VkQueueFamilyProperties2* out) {
-  const VkQueueFamilyProperties families[] = {queue_family()};
-  (void)enumerate(std::span<const VkQueueFamilyProperties>(families), count, out,
-                  [](VkQueueFamilyProperties2& to, const VkQueueFamilyProperties& family) { to.queueFamilyProperties = family; });
-}
-
-void api::GetPhysicalDeviceMemoryProperties2KHR(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties2* out) {
-  GetPhysicalDeviceMemoryProperties(device, &out->memoryProperties);
-}
-
-void api::GetPhysicalDeviceSparseImageFormatProperties2KHR(VkPhysicalDevice, const VkPhysicalDeviceSparseImageFormatInfo2*,
-                                                           uint32_t* count, VkSparseImageFormatProperties2*) {
-  *count = 0;
 }
 
 }  // namespace pineda::icd

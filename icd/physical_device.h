@@ -1,6 +1,9 @@
 // VkPhysicalDevice: this machine's CPU. One per instance, embedded in it.
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "icd/object.h"
 
 namespace pineda::icd {
@@ -12,8 +15,11 @@ class PhysicalDevice : public Dispatchable {
   Instance& instance;
 };
 
+std::span<const VkQueueFamilyProperties> queue_families();
 // Memory that the process may use: RAM, or the control group's limit when that is less.
 VkDeviceSize memory_heap_bytes();
+// How kernels run: "AVX2", "f64 evaluator".
+std::string code_path_name();
 // Threads that render, from PINEDA_THREADS or the CPUs that the process may run on.
 uint32_t render_threads();
 

@@ -1,6 +1,7 @@
 // Recording of render passes, draws and dispatches.
 #include "icd/api.h"
 #include "icd/buffer.h"
+#include "icd/chain.h"
 #include "icd/command_buffer.h"
 #include "icd/framebuffer.h"
 #include "icd/render_pass.h"
@@ -57,6 +58,15 @@ void api::CmdDispatch(VkCommandBuffer handle, uint32_t x, uint32_t y, uint32_t z
   });
 }
 
+void api::CmdDispatchBase(VkCommandBuffer handle, uint32_t base_x, uint32_t base_y, uint32_t base_z, uint32_t x, uint32_t y,
+                          uint32_t z) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DispatchBase{{base_x, base_y, base_z}, {x, y, z}});
+    cb.add_cost(uint64_t(x) * y * z * cb.workgroup_invocations * cost::kInvocation_ns);
+  });
+}
+
 void api::CmdDispatchIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
@@ -67,12 +77,15 @@ void api::CmdDispatchIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDeviceS
 
 void api::CmdBeginRenderPass(VkCommandBuffer handle, const VkRenderPassBeginInfo* info, VkSubpassContents) {
   CommandBuffer& cb = *from(handle);
+  const auto* group =
+      find_in_chain<VkDeviceGroupRenderPassBeginInfo>(info->pNext, VK_STRUCTURE_TYPE_DEVICE_GROUP_RENDER_PASS_BEGIN_INFO);
+  const VkRect2D& area = group && group->deviceRenderAreaCount > 0 ? group->pDeviceRenderAreas[0] : info->renderArea;
   cb.record([&] {
     cb.append(cmd::BeginRenderPass{.render_pass = from(info->renderPass),
                                    .framebuffer = from(info->framebuffer),
-                                   .area = info->renderArea,
+                                   .area = area,
                                    .clear_values = cb.copy(info->pClearValues, info->clearValueCount)});
-    cb.area_px = uint64_t(info->renderArea.extent.width) * info->renderArea.extent.height;
+    cb.area_px = uint64_t(area.extent.width) * area.extent.height;
     cb.add_cost(cb.area_px / cost::kPixelsPer_ns);
   });
 }
@@ -92,6 +105,19 @@ void api::CmdEndRenderPass(VkCommandBuffer handle) {
     cb.area_px = 0;
   });
 }
+
+void api::CmdBeginRenderPass2KHR(VkCommandBuffer handle, const VkRenderPassBeginInfo* info, const VkSubpassBeginInfo* begin) {
+  CmdBeginRenderPass(handle, info, begin->contents);
+}
+
+void api::CmdNextSubpass2KHR(VkCommandBuffer handle, const VkSubpassBeginInfo* begin, const VkSubpassEndInfo*) {
+  CmdNextSubpass(handle, begin->contents);
+}
+
+void api::CmdEndRenderPass2KHR(VkCommandBuffer handle, const VkSubpassEndInfo*) { CmdEndRenderPass(handle); }
+
+// The only device of a group executes everything.
+void api::CmdSetDeviceMask(VkCommandBuffer, uint32_t) {}
 
 void api::CmdClearAttachments(VkCommandBuffer handle, uint32_t attachment_count, const VkClearAttachment* attachments,
                               uint32_t rect_count, const VkClearRect* rects) {

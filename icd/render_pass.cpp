@@ -5,11 +5,12 @@
 #include "base/format.h"
 #include "icd/api.h"
 #include "icd/device.h"
+#include "icd/render_pass_info.h"
 
 namespace pineda::icd {
 namespace {
 
-VkResult check_subpass(const VkRenderPassCreateInfo& info, const VkSubpassDescription& subpass) {
+VkResult check_subpass(const VkRenderPassCreateInfo2& info, const VkSubpassDescription2& subpass) {
   if (subpass.pipelineBindPoint != VK_PIPELINE_BIND_POINT_GRAPHICS)
     return not_supported("vkCreateRenderPass: bind point is not graphics");
   if (subpass.colorAttachmentCount > kMaxColorAttachments)
@@ -35,9 +36,9 @@ VkResult check_subpass(const VkRenderPassCreateInfo& info, const VkSubpassDescri
 
 }  // namespace
 
-VkResult RenderPass::check(Device&, const VkRenderPassCreateInfo& info) {
+VkResult RenderPass::check(Device&, const VkRenderPassCreateInfo2& info) {
   for (uint32_t i = 0; i < info.attachmentCount; ++i) {
-    const VkAttachmentDescription& attachment = info.pAttachments[i];
+    const VkAttachmentDescription2& attachment = info.pAttachments[i];
     if (attachment.samples != VK_SAMPLE_COUNT_1_BIT) return not_supported("vkCreateRenderPass: attachments have one sample");
     const FormatInfo* format = find_format(attachment.format);
     if (!format || !(format->uses & (kUseColor | kUseDepth))) {
@@ -50,14 +51,15 @@ VkResult RenderPass::check(Device&, const VkRenderPassCreateInfo& info) {
   return VK_SUCCESS;
 }
 
-RenderPass::RenderPass(const Allocator& from, Device&, const VkRenderPassCreateInfo& info)
+RenderPass::RenderPass(const Allocator& from, Device&, const VkRenderPassCreateInfo2& info)
     : Object(from), attachment_count_(info.attachmentCount), subpasses_(info.subpassCount, HostAllocator<Subpass>(&allocator)) {
   const auto reference = [&](SubpassAttachment& to, uint32_t index) {
     to.index = index;
     if (index != VK_ATTACHMENT_UNUSED) to.format = info.pAttachments[index].format;
   };
   for (uint32_t s = 0; s < info.subpassCount; ++s) {
-    const VkSubpassDescription& description = info.pSubpasses[s];
+    const VkSubpassDescription2& description = info.pSubpasses[s];
+    subpasses_[s].view_mask = description.viewMask;
     subpasses_[s].color_count = description.colorAttachmentCount;
     for (uint32_t i = 0; i < description.colorAttachmentCount; ++i) {
       reference(subpasses_[s].color[i], description.pColorAttachments[i].attachment);
@@ -80,9 +82,15 @@ RenderPass::RenderPass(const Allocator& from, Device&, const VkRenderPassCreateI
   }
 }
 
+VkResult api::CreateRenderPass2KHR(VkDevice device, const VkRenderPassCreateInfo2* info, const VkAllocationCallbacks* callbacks,
+                                   VkRenderPass* out) {
+  return create_device_object<RenderPass>(device, info, callbacks, out);
+}
+
 VkResult api::CreateRenderPass(VkDevice device, const VkRenderPassCreateInfo* info, const VkAllocationCallbacks* callbacks,
                                VkRenderPass* out) {
-  return create_device_object<RenderPass>(device, info, callbacks, out);
+  *out = VK_NULL_HANDLE;
+  return guarded([&] { return CreateRenderPass2KHR(device, &RenderPassInfo2(*info).info(), callbacks, out); });
 }
 
 void api::DestroyRenderPass(VkDevice device, VkRenderPass render_pass, const VkAllocationCallbacks* callbacks) {

@@ -21,12 +21,13 @@ struct Subpass {
   std::array<SubpassAttachment, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
   SubpassAttachment depth;
+  uint32_t view_mask = 0;  // 0: no multiview
 };
 
 class RenderPass : public Object {
  public:
-  static VkResult check(Device& device, const VkRenderPassCreateInfo& info);
-  RenderPass(const Allocator& from, Device&, const VkRenderPassCreateInfo& info);
+  static VkResult check(Device& device, const VkRenderPassCreateInfo2& info);
+  RenderPass(const Allocator& from, Device&, const VkRenderPassCreateInfo2& info);
 
   uint32_t attachment_count() const { return attachment_count_; }
   uint32_t subpass_count() const { return static_cast<uint32_t>(subpasses_.size()); }

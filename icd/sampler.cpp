@@ -73,4 +73,13 @@ void api::DestroySampler(VkDevice device, VkSampler sampler, const VkAllocationC
   destroy_device_object(device, sampler, callbacks);
 }
 
+// samplerYcbcrConversion is not advertised, so no valid call exists.
+VkResult api::CreateSamplerYcbcrConversion(VkDevice, const VkSamplerYcbcrConversionCreateInfo*, const VkAllocationCallbacks*,
+                                           VkSamplerYcbcrConversion* out) {
+  *out = VK_NULL_HANDLE;
+  return not_supported("vkCreateSamplerYcbcrConversion: YCbCr conversion is not supported");
+}
+
+void api::DestroySamplerYcbcrConversion(VkDevice, VkSamplerYcbcrConversion, const VkAllocationCallbacks*) {}
+
 }  // namespace pineda::icd

@@ -5,7 +5,7 @@
 
 namespace pineda::icd {
 
-inline constexpr uint32_t kApiVersion = VK_MAKE_API_VERSION(0, 1, 0, VK_HEADER_VERSION);
+inline constexpr uint32_t kApiVersion = VK_MAKE_API_VERSION(0, 1, 1, VK_HEADER_VERSION);
 inline constexpr uint32_t kDriverVersion = VK_MAKE_API_VERSION(0, 0, 1, 0);
 inline constexpr const char* kDriverVersionText = "0.1.0";
 
@@ -13,6 +13,10 @@ inline constexpr const char* kDriverVersionText = "0.1.0";
 // nobody, so no client mistakes the driver for one it has workarounds for.
 inline constexpr uint32_t kVendorId = 0;
 inline constexpr uint32_t kDeviceId = 1;
+
+// What VkPhysicalDeviceIDProperties says. There is one device, and no handle of it that another driver could open.
+inline constexpr uint8_t kDeviceUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'C', 'P', 'U', 0, 0, 0, 0, 0, 1};
+inline constexpr uint8_t kDriverUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'd', 'r', 'i', 'v', 'e', 'r', 0, 1, 0};
 
 // Changes whenever the content of a pipeline cache would.
 inline constexpr uint8_t kPipelineCacheUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'c',

@@ -37,7 +37,8 @@ inline PFN_vkVoidFunction driver_proc(VkInstance instance, const char* name) {
 // Instance, device, queue and a command pool. Destruction waits for the queue.
 class Client {
  public:
-  explicit Client(const VkAllocationCallbacks* callbacks = nullptr, std::initializer_list<const char*> instance_extensions = {})
+  explicit Client(const VkAllocationCallbacks* callbacks = nullptr, std::initializer_list<const char*> instance_extensions = {},
+                  std::initializer_list<const char*> device_extensions = {}, const void* device_chain = nullptr)
       : callbacks_(callbacks) {
     VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     instance_info.enabledExtensionCount = static_cast<uint32_t>(instance_extensions.size());
@@ -53,6 +54,9 @@ class Client {
     VkDeviceCreateInfo device_info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     device_info.queueCreateInfoCount = 1;
     device_info.pQueueCreateInfos = &queue_info;
+    device_info.enabledExtensionCount = static_cast<uint32_t>(device_extensions.size());
+    device_info.ppEnabledExtensionNames = device_extensions.begin();
+    device_info.pNext = device_chain;
     result = VK(*this, CreateDevice)(physical, &device_info, callbacks, &device);
     if (result != VK_SUCCESS) return;
     VK(*this, GetDeviceQueue)(device, 0, 0, &queue);

@@ -38,10 +38,7 @@ class VertexStage final : public Stage {
   void output(Builder& b, const spirv::InterfaceScalar& out, Value value) override {
     if (out.built_in) {
       if (*out.built_in == BuiltIn::kPosition && out.component < 4) outputs_[out.component] = value;
-      if (const auto slot = built_in_slot(*out.built_in, out.component)) {
-        outputs_[provisional_slot(slot->location, slot->component)] = value;
-      }
-      return;
+      return;  // the point size is not used: points are one pixel wide
     }
     if (ir::size_bytes(b.type(value)) == 4) outputs_[provisional_slot(out.location, out.component)] = value;
   }

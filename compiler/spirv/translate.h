@@ -34,8 +34,6 @@ struct ShaderSource {
 enum class BuiltIn : uint8_t {
   kPosition,
   kPointSize,
-  kClipDistance,
-  kCullDistance,
   kVertexIndex,
   kInstanceIndex,
   kBaseVertex,

@@ -1,0 +1,91 @@
+#include "icd/features.h"
+
+#include <cstring>
+#include <span>
+
+#include "icd/limits.h"
+
+namespace pineda::icd {
+namespace {
+
+// What the driver does; a bit goes up together with a test that uses it.
+// ---- Vulkan 1.1
+constexpr VkPhysicalDevice16BitStorageFeatures k16BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES};
+constexpr VkPhysicalDeviceMultiviewFeatures kMultiview{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+constexpr VkPhysicalDeviceVariablePointersFeatures kVariablePointers{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES};
+constexpr VkPhysicalDeviceProtectedMemoryFeatures kProtectedMemory{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROTECTED_MEMORY_FEATURES};
+constexpr VkPhysicalDeviceSamplerYcbcrConversionFeatures kSamplerYcbcrConversion{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES};
+constexpr VkPhysicalDeviceShaderDrawParametersFeatures kShaderDrawParameters{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES};
+
+struct FeatureRow {
+  VkStructureType type;
+  std::span<const VkBool32> available;
+};
+
+// A feature structure is a header and then one VkBool32 after the other. `last` is its last member: what follows is padding,
+// which in an application's structure holds anything.
+template <typename Struct>
+FeatureRow row(const Struct& values, const VkBool32& last) {
+  const auto* first = reinterpret_cast<const VkBool32*>(reinterpret_cast<const VkBaseInStructure*>(&values) + 1);
+  return {values.sType, {first, &last + 1}};
+}
+
+// The one table.
+std::span<const FeatureRow> rows() {
+  static const FeatureRow kRows[] = {
+      row(k16BitStorage, k16BitStorage.storageInputOutput16),
+      row(kMultiview, kMultiview.multiviewTessellationShader),
+      row(kVariablePointers, kVariablePointers.variablePointers),
+      row(kProtectedMemory, kProtectedMemory.protectedMemory),
+      row(kSamplerYcbcrConversion, kSamplerYcbcrConversion.samplerYcbcrConversion),
+      row(kShaderDrawParameters, kShaderDrawParameters.shaderDrawParameters),
+  };
+  return kRows;
+}
+
+const FeatureRow* find_row(VkStructureType type) {
+  for (const FeatureRow& row : rows()) {
+    if (row.type == type) return &row;
+  }
+  return nullptr;
+}
+
+bool available(const void* wanted, std::span<const VkBool32> have) {
+  for (size_t i = 0; i < have.size(); ++i) {
+    VkBool32 want;
+    std::memcpy(&want, static_cast<const uint8_t*>(wanted) + i * sizeof(want), sizeof(want));
+    if (want && !have[i]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void fill_features(void* chain) {
+  for (auto* next = static_cast<VkBaseOutStructure*>(chain); next; next = next->pNext) {
+    if (const FeatureRow* row = find_row(next->sType)) std::memcpy(next + 1, row->available.data(), row->available.size_bytes());
+  }
+}
+
+bool features_available(const VkPhysicalDeviceFeatures& wanted) {
+  VkBool32 have[sizeof(kFeatures) / sizeof(VkBool32)];
+  std::memcpy(have, &kFeatures, sizeof(have));
+  return available(&wanted, have);
+}
+
+bool features_available(const void* chain) {
+  for (auto* next = static_cast<const VkBaseInStructure*>(chain); next; next = next->pNext) {
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) {
+      if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features)) return false;
+    } else if (const FeatureRow* row = find_row(next->sType)) {
+      if (!available(next + 1, row->available)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace pineda::icd

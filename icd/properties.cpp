@@ -1,0 +1,93 @@
+#include "icd/properties.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "base/abi.h"
+#include "icd/limits.h"
+#include "icd/physical_device.h"
+#include "icd/version.h"
+
+namespace pineda::icd {
+namespace {
+
+template <size_t kSize>
+void copy_text(char (&to)[kSize], const std::string& text) {
+  std::memset(to, 0, kSize);
+  std::memcpy(to, text.data(), std::min(text.size(), kSize - 1));
+}
+
+// The device is this driver on this kind of CPU: equal in all processes of a machine, whatever their environment.
+void fill(VkPhysicalDeviceIDProperties& to) {
+  static_assert(sizeof(kDeviceUuid) == sizeof(to.deviceUUID) && sizeof(kDriverUuid) == sizeof(to.driverUUID));
+  std::memcpy(to.deviceUUID, kDeviceUuid, sizeof(kDeviceUuid));
+  std::memcpy(to.driverUUID, kDriverUuid, sizeof(kDriverUuid));
+  std::memset(to.deviceLUID, 0, sizeof(to.deviceLUID));
+  to.deviceNodeMask = 0;
+  to.deviceLUIDValid = VK_FALSE;
+}
+
+void fill(VkPhysicalDeviceSubgroupProperties& to) {
+  to.subgroupSize = kLanes;
+  to.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
+  to.supportedOperations = VK_SUBGROUP_FEATURE_BASIC_BIT;
+  to.quadOperationsInAllStages = VK_FALSE;
+}
+
+// Points are discarded when their centre is outside the clip volume (raster/).
+void fill(VkPhysicalDevicePointClippingProperties& to) { to.pointClippingBehavior = VK_POINT_CLIPPING_BEHAVIOR_ALL_CLIP_PLANES; }
+
+void fill(VkPhysicalDeviceMultiviewProperties& to) {
+  to.maxMultiviewViewCount = kMaxViews;
+  to.maxMultiviewInstanceIndex = 0xFFFFFFFFu;  // instances are counted in 32 bits, and views need none of them
+}
+
+void fill(VkPhysicalDeviceProtectedMemoryProperties& to) { to.protectedNoFault = VK_FALSE; }
+
+void fill(VkPhysicalDeviceMaintenance3Properties& to) {
+  to.maxPerSetDescriptors = kMaxPerSetDescriptors;
+  to.maxMemoryAllocationSize = memory_heap_bytes();
+}
+
+void fill(VkPhysicalDeviceDriverProperties& to) {
+  to.driverID = VkDriverId(0);  // ids are registered with Khronos; this driver has none yet
+  copy_text(to.driverName, "Pineda");
+  copy_text(to.driverInfo, std::string(kDriverVersionText) + ", " + code_path_name());
+  to.conformanceVersion = {0, 0, 0, 0};  // nothing has been submitted
+}
+
+// The one table: structure type -> the function that fills it.
+struct PropertyRow {
+  VkStructureType type;
+  void (*fill)(void* structure);
+};
+
+template <typename Struct>
+constexpr PropertyRow row(VkStructureType type) {
+  return {type, [](void* structure) { fill(*static_cast<Struct*>(structure)); }};
+}
+
+constexpr PropertyRow kRows[] = {
+    // ---- Vulkan 1.1
+    row<VkPhysicalDeviceIDProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES),
+    row<VkPhysicalDeviceSubgroupProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES),
+    row<VkPhysicalDevicePointClippingProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_POINT_CLIPPING_PROPERTIES),
+    row<VkPhysicalDeviceMultiviewProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_PROPERTIES),
+    row<VkPhysicalDeviceProtectedMemoryProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROTECTED_MEMORY_PROPERTIES),
+    row<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES),
+    // ---- extensions
+    row<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES),
+};
+
+}  // namespace
+
+void fill_properties(void* chain) {
+  for (auto* next = static_cast<VkBaseOutStructure*>(chain); next; next = next->pNext) {
+    for (const PropertyRow& row : kRows) {
+      if (row.type == next->sType) row.fill(next);
+    }
+  }
+}
+
+}  // namespace pineda::icd
