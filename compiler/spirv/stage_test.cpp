@@ -208,9 +208,6 @@ TEST(SpirvStage, Refusals) {
   EXPECT_EQ(error_of(kVertex, good), "");
   EXPECT_NE(error_of(kFragment, good).find("entry point"), std::string::npos);
   EXPECT_NE(error_of(kVertex, good, "other").find("\"other\""), std::string::npos);
-  EXPECT_NE(
-      error_of(kVertex, glsl(kVertex, "void main() { gl_Position = vec4(0); gl_ClipDistance[0] = 1.0; }")).find("ClipDistance"),
-      std::string::npos);
   EXPECT_NE(error_of(kVertex, glsl(kVertex, "void main() { double d = double(gl_VertexIndex); gl_Position = vec4(d); }"))
                 .find("Float64"),
             std::string::npos);

@@ -55,7 +55,9 @@ enum class BuiltIn : uint8_t {
   kLocalInvocationId,
   kGlobalInvocationId,
   kLocalInvocationIndex,
-  kViewIndex
+  kViewIndex,
+  kClipDistance,
+  kCullDistance
 };
 
 enum class Interpolation : uint8_t { kPerspective, kNoPerspective, kFlat };
