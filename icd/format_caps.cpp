@@ -96,8 +96,10 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  // Cube views cannot be sampled yet, and two-dimensional views of volumes do not exist.
-  if (query.flags & ~VkImageCreateFlags(VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
+  // Cube views cannot be sampled yet.
+  constexpr VkImageCreateFlags kFlags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT |
+                                        VK_IMAGE_CREATE_EXTENDED_USAGE_BIT | VK_IMAGE_CREATE_ALIAS_BIT;
+  if (query.flags & ~kFlags) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const VkFormatFeatureFlags features = image_features(*info);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   // Volumes are stored and copied; shaders cannot sample them yet.

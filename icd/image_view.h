@@ -1,5 +1,8 @@
-// VkImageView: the descriptor of a range of an image, ready to be copied into sets, and the attachment that a framebuffer makes
+// VkImageView: the descriptor of a range of an image, ready to be copied into sets, and the attachments that a framebuffer makes
 // of it. The image's memory is bound before a view is made (VUID-VkImageViewCreateInfo-image-01020), so addresses are final.
+//
+// A descriptor shows one plane: that of the view's aspect; for a block-compressed format, the decoded copy; for an uncompressed
+// view of a compressed image (VK_IMAGE_CREATE_BLOCK_TEXEL_VIEW_COMPATIBLE_BIT), the blocks as texels.
 #pragma once
 
 #include "icd/image.h"
@@ -14,16 +17,24 @@ class ImageView : public Object {
 
   const ImageDescriptor& descriptor() const { return descriptor_; }  // sampler words are zero
   uint32_t state_id() const { return state_id_; }                    // TextureStates
-  uint32_t layer_count() const { return layer_count_; }
+  uint32_t layer_count() const { return layer_count_; }              // of a two-dimensional view of a volume: slices
   VkExtent2D extent() const { return {descriptor_.width, descriptor_.height}; }
+  uint32_t sample_count() const { return image_.sample_count; }
 
-  // Layer `layer` of the view as an attachment; load and store operations are the caller's.
+  // Layer `layer` of the view as an attachment; load and store operations are the caller's. A view of a format with depth and
+  // stencil gives depth as the first; an aspect that the view does not have gives a null address.
   raster::Attachment attachment(uint32_t layer) const;
+  raster::Attachment stencil_attachment(uint32_t layer) const;
 
  private:
+  raster::Attachment plane_attachment(const ImagePlane& plane, VkFormat format, uint32_t layer) const;
+  const ImagePlane& shown_plane(const VkImageViewCreateInfo& info) const;
+
   const Image& image_;
   const VkFormat format_;
+  const VkImageAspectFlags aspects_;
   const uint32_t base_level_, base_layer_, layer_count_;
+  const bool layers_are_slices_;  // a two-dimensional view of a volume
   ImageDescriptor descriptor_{};
   uint32_t state_id_ = 0;
 };

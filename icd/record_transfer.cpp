@@ -90,7 +90,7 @@ void api::CmdClearColorImage(VkCommandBuffer handle, VkImage image, VkImageLayou
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::ClearColorImage{from(image), *color, cb.copy(ranges, count)});
-    cb.add_cost(from(image)->layout.size_bytes / cost::kBytesPer_ns);
+    cb.add_cost(from(image)->size_bytes() / cost::kBytesPer_ns);
   });
 }
 
@@ -99,7 +99,7 @@ void api::CmdClearDepthStencilImage(VkCommandBuffer handle, VkImage image, VkIma
   CommandBuffer& cb = *from(handle);
   cb.record([&] {
     cb.append(cmd::ClearDepthStencilImage{from(image), *value, cb.copy(ranges, count)});
-    cb.add_cost(from(image)->layout.size_bytes / cost::kBytesPer_ns);
+    cb.add_cost(from(image)->size_bytes() / cost::kBytesPer_ns);
   });
 }
 
