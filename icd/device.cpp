@@ -11,7 +11,12 @@
 namespace pineda::icd {
 
 Device::Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gates)
-    : Object(from), physical(owner), pool(render_threads()), queue(*this), gates_(gates) {}
+    : Object(from),
+      physical(owner),
+      pool(render_threads()),
+      queues{Queue(*this), Queue(*this), Queue(*this)},
+      scheduler(*this),
+      gates_(gates) {}
 
 bool Device::has(Gate gate) const {
   return scope_of(gate) == GateScope::kDevice ? gates_.has(gate) : physical.instance.has(gate);
@@ -71,7 +76,7 @@ VkResult check(const VkDeviceCreateInfo& info) {
   if (!features_available(info.pNext)) return VK_ERROR_FEATURE_NOT_PRESENT;
   for (uint32_t i = 0; i < info.queueCreateInfoCount; ++i) {
     const VkDeviceQueueCreateInfo& queue = info.pQueueCreateInfos[i];
-    if (queue.queueFamilyIndex != 0 || queue.queueCount > 1) return VK_ERROR_INITIALIZATION_FAILED;
+    if (queue.queueFamilyIndex >= kQueueFamilyCount || queue.queueCount > 1) return VK_ERROR_INITIALIZATION_FAILED;
   }
   return VK_SUCCESS;
 }
@@ -104,7 +109,7 @@ PFN_vkVoidFunction api::GetDeviceProcAddr(VkDevice device, const char* name) {
 }
 
 void api::GetDeviceQueue(VkDevice device, uint32_t family, uint32_t index, VkQueue* out) {
-  *out = family == 0 && index == 0 ? to_handle(&from(device)->queue) : VK_NULL_HANDLE;
+  *out = family < kQueueFamilyCount && index == 0 ? to_handle(&from(device)->queues[family]) : VK_NULL_HANDLE;
 }
 
 void api::GetDeviceQueue2(VkDevice device, const VkDeviceQueueInfo2* info, VkQueue* out) {
@@ -120,7 +125,7 @@ void api::GetDeviceGroupPeerMemoryFeatures(VkDevice, uint32_t, uint32_t, uint32_
 }
 
 VkResult api::DeviceWaitIdle(VkDevice device) {
-  return guarded([&] { return from(device)->queue.wait_idle(); });
+  return guarded([&] { return from(device)->scheduler.wait_idle(nullptr); });
 }
 
 }  // namespace pineda::icd

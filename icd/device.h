@@ -1,9 +1,10 @@
-// VkDevice: owns the queue, the thread pool and what all objects share. Creating one starts no thread and loads no compiler.
+// VkDevice: owns the queues, the thread pool and what all objects share. Creating one starts no thread and loads no compiler.
 //
 // Loss is sticky: the first reason, with the place in the driver that found it, is reported; from then on submissions and waits
 // return VK_ERROR_DEVICE_LOST. Everything else keeps working, so that an application can clean up.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <source_location>
@@ -14,7 +15,7 @@
 #include "icd/notifier.h"
 #include "icd/object.h"
 #include "icd/physical_device.h"
-#include "icd/queue.h"
+#include "icd/scheduler.h"
 #include "icd/texture_state.h"
 #include "raster/thread_pool.h"
 
@@ -27,14 +28,28 @@ class Device : public Dispatchable, public Object {
   PhysicalDevice& physical;
   Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
-  raster::ThreadPool pool;  // used by whoever executes for the queue, one at a time
-  Queue queue;              // last: its worker uses the others
+  raster::ThreadPool pool;  // used by whoever holds the scheduler's baton
+
+  std::array<Queue, kQueueFamilyCount> queues;
+  Scheduler scheduler;  // last: its worker uses the others
 
   // Whether the extension of a command is enabled, on the device or on its instance.
   bool has(Gate gate) const;
 
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   void lose(std::string_view reason, std::source_location where = std::source_location::current());
+
+  // vkWait*: VK_TIMEOUT when ready() does not hold in time. Who has no deadline executes what is pending rather than sleep beside
+  // it.
+  template <typename Ready>
+  VkResult wait(uint64_t timeout_ns, Ready&& ready) {
+    while (timeout_ns == Notifier::kForever && !ready() && scheduler.help()) {
+    }
+    const auto over = [&] { return ready() || lost(); };
+    const bool in_time = over() || (timeout_ns != 0 && notifier.wait(deadline_after(timeout_ns), over));
+    if (lost()) return VK_ERROR_DEVICE_LOST;
+    return in_time ? VK_SUCCESS : VK_TIMEOUT;
+  }
 
   // Accounts for device memory; false when the heap has no room.
   bool reserve_memory(VkDeviceSize size_bytes);

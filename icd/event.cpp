@@ -11,7 +11,7 @@ void Event::set() {
 }
 
 void Event::wait() const {
-  device_.notifier.wait(Notifier::kForever, [&] { return is_set(); });
+  device_.notifier.wait(Notifier::kForever, [&] { return is_set() || device_.lost(); });
 }
 
 VkResult api::CreateEvent(VkDevice device, const VkEventCreateInfo* info, const VkAllocationCallbacks* callbacks, VkEvent* out) {

@@ -11,7 +11,9 @@ void Executor::execute(const cmd::SetEvent& command) { command.event->set(); }
 void Executor::execute(const cmd::ResetEvent& command) { command.event->reset(); }
 
 void Executor::execute(const cmd::WaitEvents& command) {
-  for (VkEvent event : command.events) from(event)->wait();
+  for (VkEvent event : command.events) {
+    if (!from(event)->is_set()) device_.scheduler.yield([&] { from(event)->wait(); });
+  }
 }
 
 void Executor::execute(const cmd::ResetQueryPool& command) { command.pool->reset(command.first, command.count); }

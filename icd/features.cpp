@@ -21,6 +21,12 @@ constexpr VkPhysicalDeviceSamplerYcbcrConversionFeatures kSamplerYcbcrConversion
 constexpr VkPhysicalDeviceShaderDrawParametersFeatures kShaderDrawParameters{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES};
 
+// ---- extensions
+constexpr VkPhysicalDeviceTimelineSemaphoreFeatures kTimelineSemaphore{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES, .timelineSemaphore = VK_TRUE};
+constexpr VkPhysicalDeviceHostQueryResetFeatures kHostQueryReset{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES, .hostQueryReset = VK_TRUE};
+
 struct FeatureRow {
   VkStructureType type;
   std::span<const VkBool32> available;
@@ -43,6 +49,8 @@ std::span<const FeatureRow> rows() {
       row(kProtectedMemory, kProtectedMemory.protectedMemory),
       row(kSamplerYcbcrConversion, kSamplerYcbcrConversion.samplerYcbcrConversion),
       row(kShaderDrawParameters, kShaderDrawParameters.shaderDrawParameters),
+      row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
+      row(kHostQueryReset, kHostQueryReset.hostQueryReset),
   };
   return kRows;
 }

@@ -36,16 +36,10 @@ VkResult api::GetFenceStatus(VkDevice device, VkFence fence) {
 
 VkResult api::WaitForFences(VkDevice handle, uint32_t count, const VkFence* fences, VkBool32 wait_all, uint64_t timeout_ns) {
   return guarded([&] {
-    Device& device = *from(handle);
     const std::span all(fences, count);
     const auto signaled = [](VkFence fence) { return from(fence)->signaled(); };
-    const auto ready = [&] { return wait_all ? std::ranges::all_of(all, signaled) : std::ranges::any_of(all, signaled); };
-    // Who has no deadline executes what is pending rather than sleep beside it.
-    while (timeout_ns == Notifier::kForever && !ready() && device.queue.help()) {
-    }
-    const bool in_time = ready() || (timeout_ns != 0 && device.notifier.wait(deadline_after(timeout_ns), ready));
-    if (device.lost()) return VK_ERROR_DEVICE_LOST;
-    return in_time ? VK_SUCCESS : VK_TIMEOUT;
+    return from(handle)->wait(timeout_ns,
+                              [&] { return wait_all ? std::ranges::all_of(all, signaled) : std::ranges::any_of(all, signaled); });
   });
 }
 

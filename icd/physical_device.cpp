@@ -39,11 +39,14 @@ void copy_text(char (&to)[kSize], const std::string& text) {
 }  // namespace
 
 std::span<const VkQueueFamilyProperties> queue_families() {
-  static constexpr VkQueueFamilyProperties kFamilies[] = {
-      {.queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT,
-       .queueCount = 1,
-       .timestampValidBits = 64,
-       .minImageTransferGranularity = {1, 1, 1}},
+  static constexpr auto kFamily = [](VkQueueFlags flags) {
+    return VkQueueFamilyProperties{
+        .queueFlags = flags, .queueCount = 1, .timestampValidBits = 64, .minImageTransferGranularity = {1, 1, 1}};
+  };
+  static constexpr VkQueueFamilyProperties kFamilies[kQueueFamilyCount] = {
+      kFamily(VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT),
+      kFamily(VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT),
+      kFamily(VK_QUEUE_TRANSFER_BIT),
   };
   return kFamilies;
 }

@@ -24,5 +24,6 @@ std::string code_path_name();
 uint32_t render_threads();
 
 inline constexpr uint32_t kMemoryTypeCount = 1;
+inline constexpr uint32_t kQueueFamilyCount = 3;  // everything; compute and transfer; transfer: one queue each
 
 }  // namespace pineda::icd

@@ -57,6 +57,10 @@ void fill(VkPhysicalDeviceDriverProperties& to) {
   to.conformanceVersion = {0, 0, 0, 0};  // nothing has been submitted
 }
 
+void fill(VkPhysicalDeviceTimelineSemaphoreProperties& to) {
+  to.maxTimelineSemaphoreValueDifference = ~uint64_t{0};  // all 64 bits are compared
+}
+
 // The one table: structure type -> the function that fills it.
 struct PropertyRow {
   VkStructureType type;
@@ -78,6 +82,7 @@ constexpr PropertyRow kRows[] = {
     row<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES),
     // ---- extensions
     row<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES),
+    row<VkPhysicalDeviceTimelineSemaphoreProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_PROPERTIES),
 };
 
 }  // namespace

@@ -74,11 +74,13 @@ VkResult api::GetQueryPoolResults(VkDevice handle, VkQueryPool pool, uint32_t fi
                                   VkDeviceSize stride, VkQueryResultFlags flags) {
   return guarded([&] {
     Device& device = *from(handle);
-    while ((flags & VK_QUERY_RESULT_WAIT_BIT) && device.queue.help()) {
+    while ((flags & VK_QUERY_RESULT_WAIT_BIT) && device.scheduler.help()) {
     }
     if (device.lost()) return VK_ERROR_DEVICE_LOST;
     return from(pool)->results({first, count, static_cast<uint8_t*>(data), stride, flags});
   });
 }
+
+void api::ResetQueryPoolEXT(VkDevice, VkQueryPool pool, uint32_t first, uint32_t count) { from(pool)->reset(first, count); }
 
 }  // namespace pineda::icd

@@ -1,57 +1,45 @@
-// The one queue. Submissions execute in order, one at a time, on one of three threads:
-//
-//   - the submitting thread, inside vkQueueSubmit, when nothing is pending and the work is estimated to be short
-//   (kInlineCost_ns): a thread
-//     hop costs more than a small draw;
-//   - a thread that waits without a deadline (vkQueueWaitIdle, vkWaitForFences): it takes pending work instead of sleeping beside
-//   it;
-//   - the queue's worker, started by the first submission that needs it.
-//
-// `running_` is the baton: who sets it (under the mutex) executes, so executor and thread pool need no lock of their own. Binary
-// semaphores have nothing to do here: their waits are satisfied by order.
+// VkQueue: an ordering domain. Its submissions start one after another, in the order of vkQueueSubmit; the device's scheduler
+// (scheduler.h) decides where and when.
 #pragma once
 
-#include <condition_variable>
 #include <deque>
-#include <mutex>
-#include <span>
-#include <thread>
 
 #include "icd/executor.h"
 #include "icd/object.h"
 
 namespace pineda::icd {
 
+struct SemaphoreOperation {
+  Semaphore* semaphore;
+  uint64_t value;  // of a timeline
+};
+
+// One VkSubmitInfo.
+struct Work {
+  explicit Work(const Allocator& from)
+      : waits(HostAllocator<SemaphoreOperation>(&from)),
+        commands(HostAllocator<const CommandBuffer*>(&from)),
+        signals(HostAllocator<SemaphoreOperation>(&from)) {}
+
+  HostVector<SemaphoreOperation> waits;
+  HostVector<const CommandBuffer*> commands;
+  HostVector<SemaphoreOperation> signals;
+  Fence* fence = nullptr;
+  uint64_t sequence = 0;  // among all submissions of the device
+};
+
 class Queue : public Dispatchable {
  public:
   explicit Queue(Device& owner);
-  ~Queue();  // finishes what is pending
 
-  VkResult submit(std::span<const VkSubmitInfo> batches, Fence* fence);
-  VkResult wait_idle();
-  // Executes the oldest pending submission on this thread; false when there is none or somebody else is at work.
-  bool help();
+  Device& device;
 
  private:
-  struct Work {
-    HostVector<const CommandBuffer*> commands;
-    Fence* fence;
-  };
+  friend class Scheduler;
 
-  void push_locked(std::span<const VkSubmitInfo> batches, Fence* fence);
-  void run_next_locked(std::unique_lock<std::mutex>& lock);  // unlocks while it executes
-  void execute(std::span<const CommandBuffer* const> commands) noexcept;
-  void finish_locked(Fence* fence);
-  void worker_main();
-
-  Device& device_;
-  Executor executor_;  // used by the holder of the baton
-  std::mutex mutex_;   // guards all below
-  std::condition_variable changed_;
-  std::deque<Work, HostAllocator<Work>> pending_;
-  bool running_ = false;
-  bool stopping_ = false;
-  std::thread worker_;
+  Executor executor_;                              // used by who executes for the queue
+  std::deque<Work, HostAllocator<Work>> pending_;  // guarded by the scheduler's mutex, like all below
+  bool busy_ = false;                              // a submission executes
 };
 
 }  // namespace pineda::icd
