@@ -34,6 +34,8 @@ inline constexpr uint32_t kMaxPushConstantBytes = 256;
 inline constexpr uint32_t kMaxVertexBindings = 32;
 inline constexpr uint32_t kMaxVertexAttributes = 32;
 inline constexpr uint32_t kMaxColorAttachments = 8;
+inline constexpr uint32_t kMaxViewports = 16;
+inline constexpr uint32_t kMaxClipDistances = 8;          // clip and cull distances together
 inline constexpr uint32_t kMaxMipLevels = 15;             // 16384 px
 inline constexpr uint32_t kVertexSlotBytes = kLanes * 4;  // one f32/i32 component of 16 vertices
 inline constexpr uint32_t kBlockDim = 4;                  // a fragment wave covers kBlockDim x kBlockDim pixels
@@ -127,10 +129,10 @@ struct DrawContext {
   uint32_t first_vertex, first_instance, draw_index;  // gl_BaseVertex (vertexOffset as two's complement), gl_BaseInstance
   uint32_t stencil_reference[2], stencil_compare_mask[2], stencil_write_mask[2];  // front, back
   float depth_bounds[2];
-  float depth_clamp[2];  // viewport's min and max depth
+  float depth_range[kMaxViewports][2];  // the lower and the upper end of each viewport's depths: what depth clamp clamps to
   uint32_t workgroup_count[3];
-  uint32_t view_index;                 // gl_ViewIndex of this run over the draw
-  const AddressRange* address_ranges;  // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
+  uint32_t view_index;                  // gl_ViewIndex of this run over the draw
+  const AddressRange* address_ranges;   // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
   uint32_t address_range_count, reserved;
   const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;
@@ -160,6 +162,14 @@ struct VertexWave {
 };
 static_assert(sizeof(VertexWave) == 144);
 
+// Slots of the built-in outputs that geometry reads; 0 where the shader writes none. Distances lie in consecutive slots.
+struct VertexOutputs {
+  uint16_t point_size = 0;
+  uint16_t layer = 0, viewport_index = 0;  // I32
+  uint16_t clip_distance = 0, clip_count = 0;
+  uint16_t cull_distance = 0, cull_count = 0;
+};
+
 // ---- fragment kernels -----------------------------------------------------------------------------------------------------
 
 // What a fragment kernel knows of its triangle. Screen-space barycentrics are linear in the pixel and relative to vertex 0:
@@ -169,6 +179,9 @@ static_assert(sizeof(VertexWave) == 144);
 //     b1       = l1 * iw1 * w, b2 = l2 * iw2 * w            perspective-correct
 //     attribute = a0 + b1 * (a1 - a0) + b2 * (a2 - a0)      (b from l when noperspective)
 // x - x0 is exact in f32: both are multiples of 1/256 px below 2^15.
+//
+// A line is the case l2 = 0 or vertex 2 = vertex 0: l1 goes along it from 0 to 1. A point's vertices are all the same, and l1, l2
+// are gl_PointCoord.
 struct FragmentPrim {
   float x0_px, y0_px;
   float l1_dx, l1_dy, l2_dx, l2_dy;  // 1/px
@@ -179,7 +192,7 @@ struct FragmentPrim {
   uint32_t front_facing;   // 0 or 1
   uint32_t primitive_id;
   uint32_t layer, viewport_index;
-  float point_size;           // reserved for points
+  uint32_t reserved;
   int32_t flat_offset_bytes;  // from vertex[0] to the provoking vertex; 0 unless clipping cut the provoking vertex off
 };
 static_assert(sizeof(FragmentPrim) == 96);

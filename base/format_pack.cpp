@@ -1,7 +1,9 @@
 // Host side of texel packing: the same rounding as compiler/kernels/texel.cpp, which its test holds against this file.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "base/format.h"
 #include "base/half.h"
@@ -31,6 +33,38 @@ uint64_t snorm(float x, uint32_t bits) {
   return x < 0 ? (0 - round_product(-x, scale)) & low_bits(bits) : round_product(x, scale);
 }
 
+// 5 exponent bits, no sign ("Unsigned 11-Bit Floating-Point Numbers"): to nearest even; below zero gives 0, finite values beyond
+// the largest finite one give that.
+uint64_t ufloat(float x, uint32_t bits) {
+  const uint32_t mantissa_bits = bits - 5;
+  if (x != x) return (31u << mantissa_bits) | 1u << (mantissa_bits - 1);
+  if (!(x > 0.0f)) return 0;
+  if (x > std::numeric_limits<float>::max()) return 31u << mantissa_bits;
+  if (x < 0x1p-14f) return round_product(x, std::ldexp(1.0, 14 + static_cast<int>(mantissa_bits)));
+  const uint32_t shift = 23 - mantissa_bits, largest = (31u << mantissa_bits) - 1;
+  const uint32_t word = std::bit_cast<uint32_t>(x);
+  const uint32_t rounded = (word + (1u << (shift - 1)) - 1 + (word >> shift & 1)) >> shift;
+  return std::min(rounded - (112u << mantissa_bits), largest);
+}
+
+// "RGB to Shared Exponent Conversion": 9 mantissa bits, bias 15. The products are exact in double.
+uint32_t shared_exponent(const float (&color)[4]) {
+  double c[3], largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const float x = 0.0f < color[i] ? color[i] : 0.0f;  // NaN gives 0
+    c[i] = x < 65408.0f ? x : 65408.0f;
+    largest = std::max(largest, c[i]);
+  }
+  uint32_t exponent = 0;
+  while (exponent < 31 && largest >= std::ldexp(1.0, static_cast<int>(exponent) - 15)) ++exponent;
+  if (std::floor(std::ldexp(largest, 24 - static_cast<int>(exponent)) + 0.5) == 512) ++exponent;
+  uint32_t word = exponent << 27;
+  for (int i = 0; i < 3; ++i) {
+    word |= static_cast<uint32_t>(std::floor(std::ldexp(c[i], 24 - static_cast<int>(exponent)) + 0.5)) << 9 * i;
+  }
+  return word;
+}
+
 uint64_t pack_float(const FormatInfo& format, uint32_t component, float x) {
   const uint32_t bits = format.component[component].bits;
   switch (format.numeric) {
@@ -43,6 +77,8 @@ uint64_t pack_float(const FormatInfo& format, uint32_t component, float x) {
     case Numeric::kSfloat:
       if (bits == 16) return float_to_half(x);
       return std::bit_cast<uint32_t>(x);
+    case Numeric::kUfloat:
+      return ufloat(x, bits);
     default:
       return 0;
   }
@@ -52,6 +88,11 @@ uint64_t pack_float(const FormatInfo& format, uint32_t component, float x) {
 
 void pack_clear_color(const FormatInfo& format, const VkClearColorValue& color, uint8_t* out) {
   uint64_t words[2] = {0, 0};
+  if (format.numeric == Numeric::kSharedExp) {
+    const uint32_t word = shared_exponent(color.float32);
+    std::memcpy(out, &word, sizeof(word));
+    return;
+  }
   for (uint32_t c = 0; c < 4; ++c) {
     const ComponentBits where = format.component[c];
     if (where.bits == 0) continue;

@@ -49,8 +49,10 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   if (!fragment) return std::unexpected(fragment.error());
   Result<ExecutablePtr> fragment_code = cached_executable(std::move(fragment->ir));
   if (!fragment_code) return std::unexpected(fragment_code.error());
-  const std::vector<VaryingSlot>& varyings = (*fragment_code)->varyings;
-  Result<ir::Kernel> vertex = kernels::build_vertex(source, kernels::shader_of(*source.vertex), varyings);
+  std::vector<VaryingSlot> varyings = (*fragment_code)->varyings;
+  const kernels::Shader vertex_shader = kernels::shader_of(*source.vertex);
+  const VertexOutputs outputs = kernels::add_vertex_outputs(vertex_shader.info, source.draws_points, varyings);
+  Result<ir::Kernel> vertex = kernels::build_vertex(source, vertex_shader, varyings);
   if (!vertex) return std::unexpected(vertex.error());
   Result<ExecutablePtr> vertex_code = cached_executable(std::move(*vertex));
   if (!vertex_code) return std::unexpected(vertex_code.error());
@@ -58,6 +60,7 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   return GraphicsKernels{.vertex = *vertex_code,
                          .fragment = *fragment_code,
                          .vertex_slots = static_cast<uint32_t>(4 + varyings.size()),
+                         .outputs = outputs,
                          .early_depth = fragment->early_depth,
                          .reads_color = fragment->reads_color,
                          .opaque = fragment->opaque,

@@ -7,7 +7,6 @@
 
 #include "icd/device.h"
 #include "icd/executor.h"
-#include "icd/texel.h"
 #include "icd/transfer.h"
 
 namespace pineda::icd {

@@ -32,6 +32,7 @@ bool Executor::flush_packet() {
   packet_.vertex = kernels_->vertex->handle;
   packet_.fragment = kernels_->fragment->handle;
   packet_.vertex_slots = kernels_->vertex_slots;
+  packet_.outputs = kernels_->outputs;
   packet_.early_depth = kernels_->early_depth;
   packet_.opaque = kernels_->opaque;
   packet_.has_side_effects = kernels_->has_side_effects;
@@ -41,7 +42,7 @@ bool Executor::flush_packet() {
   packet_.scissor = dynamic_.scissor;
   packet_.cull = state.cull;
   packet_.front_face = state.front_face;
-  packet_.depth_clamp = state.depth_clamp;
+  packet_.depth_clip = state.depth_clip;
   packet_.depth_bias = state.depth_bias;
   packet_.depth_bias_constant = dynamic_.depth_bias_constant;
   packet_.depth_bias_clamp = dynamic_.depth_bias_clamp;
@@ -66,8 +67,8 @@ void Executor::flush_context(const DrawCall& call) {
   std::ranges::copy(dynamic_.stencil_compare_mask, context.stencil_compare_mask);
   std::ranges::copy(dynamic_.stencil_write_mask, context.stencil_write_mask);
   std::ranges::copy(dynamic_.depth_bounds, context.depth_bounds);
-  context.depth_clamp[0] = std::min(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
-  context.depth_clamp[1] = std::max(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  context.depth_range[0][0] = std::min(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  context.depth_range[0][1] = std::max(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
   packet_.context = arena_.make(context);
 }
 

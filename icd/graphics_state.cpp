@@ -50,7 +50,8 @@ VkResult translate_rasterization(const VkPipelineRasterizationStateCreateInfo& i
     return not_supported("vkCreateGraphicsPipelines: fillModeNonSolid is not supported");
   out.cull = info.cullMode;
   out.front_face = info.frontFace;
-  out.depth_clamp = out.fragment.depth_clamp = info.depthClampEnable;
+  out.fragment.depth_clamp = info.depthClampEnable;
+  out.depth_clip = !info.depthClampEnable;
   out.depth_bias = info.depthBiasEnable;
   out.values.depth_bias_constant = info.depthBiasConstantFactor;
   out.values.depth_bias_clamp = info.depthBiasClamp;

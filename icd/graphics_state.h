@@ -29,7 +29,7 @@ struct GraphicsState {
   bool primitive_restart = false;
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-  bool depth_clamp = false, depth_bias = false;
+  bool depth_clip = true, depth_bias = false;
   bool rasterizes = true;  // false: rasterizerDiscardEnable, or a sample mask without the only sample
 };
 

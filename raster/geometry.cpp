@@ -86,7 +86,7 @@ void GeometryWorker::begin_clip_batch(const Draw& draw) {
   const size_t floats = size_t{kClipBatchVertices} * draw.packet.vertex_slots;
   clip_vertices_ = static_cast<float*>(chunk_->vertices.allocate(floats * sizeof(float)));
   clip_batch_ = static_cast<uint32_t>(chunk_->batches.size());
-  chunk_->batches.push_back({&draw, clip_vertices_});
+  chunk_->batches.push_back({&draw, clip_vertices_, 0});
 }
 
 void GeometryWorker::clip_triangle(const Draw& draw, uint32_t primitive_id, const std::array<uint16_t, 3>& v) {
@@ -141,7 +141,7 @@ void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count)
   statistics.vertices_shaded += batch_.shade(draw, first, count, *chunk_, context_);
   statistics.triangles_in += count;
   const BatchView view{&batch_.window(), static_cast<uint32_t>(chunk_->batches.size())};
-  chunk_->batches.push_back({&draw, batch_.vertices()});
+  chunk_->batches.push_back({&draw, batch_.vertices(), 0});
   const uint8_t* code = batch_.window().code;
   uint64_t in_instance = first % draw.prims_per_instance;
   for (uint32_t i = 0; i < count; ++i) {
@@ -161,7 +161,7 @@ void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count)
 
 void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count) {
   const auto batch = static_cast<uint32_t>(chunk_->batches.size());
-  chunk_->batches.push_back({&draw, nullptr});
+  chunk_->batches.push_back({&draw, nullptr, 0});
   for (uint64_t i = first; i < first + count; ++i) {
     const Rect& r = draw.clear_rects[i];
     Triangle t{};

@@ -224,7 +224,7 @@ TEST(Setup, DepthBiasMovesDepth) {
 TEST(Clip, VerticesStayInsideAndSharedEdgesAgree) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> d(-3, 3);
-  const ViewportTransform t = make_viewport_transform({0, 0, 640, 480, 0, 1}, false);
+  const ViewportTransform t = make_viewport_transform({0, 0, 640, 480, 0, 1}, true);
   int crossing = 0;
   for (int i = 0; i < 3000; ++i) {
     float storage[4][5 * kLanes];
@@ -369,7 +369,7 @@ TEST(Clip, HostileFloatsNeverCrash) {
       std::memcpy(&f, &bits, 4);
       draw.vertices.push_back(rng() % 3 ? specials[rng() % 13] : f);
     }
-    draw.packet_base.depth_clamp = i % 2 == 0;
+    draw.packet_base.depth_clip = i % 2 != 0;
     draw.packet_base.depth_bias = i % 3 == 0;
     draw.packet_base.depth_bias_slope = 1e30f;
     if (i % 4 == 0)
@@ -383,7 +383,7 @@ TEST(Clip, DepthClampKeepsWhatDepthClippingCuts) {
   for (const bool clamp : {false, true}) {
     TestDraw draw(4, count_kernel);
     draw.vertices = {-1, -1, -0.5f, 1, 3, -1, -0.5f, 1, -1, 3, 3.5f, 1};
-    draw.packet_base.depth_clamp = clamp;
+    draw.packet_base.depth_clip = !clamp;
     const uint64_t n = total(draw_once(draw, 32));
     if (clamp) {
       EXPECT_EQ(n, 32u * 32);

@@ -130,17 +130,25 @@ struct ViewportTransform {
   float scale_z, offset_z;
   float guard_x_min, guard_x_max, guard_y_min,
       guard_y_max;  // in normalised device coordinates: inside when min * w <= x <= max * w
-  bool clip_depth;  // 0 <= z <= w; off with depth clamp
+  bool clip_depth;  // 0 <= z <= w
 };
-ViewportTransform make_viewport_transform(const VkViewport& viewport, bool depth_clamp);
+ViewportTransform make_viewport_transform(const VkViewport& viewport, bool clip_depth);
 
 // How a draw's depth test bounds what it can pass.
 enum class HiZMode : uint8_t { kNone, kLess, kGreater };
 
+// What a primitive's vertices make, before polygon modes.
+enum class PrimitiveKind : uint8_t { kPoint, kLine, kTriangle };
+
 struct Draw {
   DrawPacket packet;
+  PrimitiveKind kind = PrimitiveKind::kTriangle;
   ViewportTransform viewport;
   Rect rect;  // pixels that may be drawn: scissor, render area, framebuffer
+  std::vector<ViewportTransform> viewports;  // of all viewports and their rectangles, when there are several
+  std::vector<Rect> rects;
+  const ViewportTransform& viewport_at(uint32_t i) const { return i == 0 ? viewport : viewports[i]; }
+  const Rect& rect_at(uint32_t i) const { return i == 0 ? rect : rects[i]; }
   uint64_t prims_per_instance = 0;
   std::vector<std::array<uint32_t, 3>> restart_prims;  // positions in the index buffer of each primitive, when restart is on
   HiZMode hi_z = HiZMode::kNone;
@@ -157,14 +165,26 @@ struct Draw {
 
 // ---- geometry's output ----------------------------------------------------------------------------------------------------
 
-// Triangles of one draw whose vertices lie in one block of memory. Vertex v is lane v % 16 of wave v / 16.
+// Primitives of one draw whose vertices lie in one block of memory. Vertex v is lane v % 16 of wave v / 16.
 struct Batch {
   const Draw* draw;
   const float* vertices;
+  uint32_t viewport = 0;
 };
 
-// One triangle, one cache line. Vertex 0 is the origin of interpolation (and, unless clipped away, the provoking vertex). Planes
-// and edges are formed from it in the tiles that really draw it.
+// What a record covers. A sample is covered by the rule of coverage.h.
+enum class Shape : uint8_t {
+  kTriangle,
+  // Vertices 0, 1 and 2 and the fourth corner 1 + 2 - 0. Lines: 0 -> 1 goes along the line, 0 -> 2 across. Points: along x and y.
+  kParallelogram,
+  // A Bresenham line from vertex 0 to vertex 1 (raster/bresenham.h): pixels of columns (rows) [x_fx8[2], y_fx8[2]), which are
+  // numbers of pixels, closest to the line.
+  kPixelLineX,
+  kPixelLineY,
+};
+
+// One primitive, one cache line. Vertex 0 is the origin of interpolation (and, for triangles, unless clipped away, the provoking
+// vertex). Planes and edges are formed from it in the tiles that really draw it.
 struct alignas(64) Triangle {
   int32_t x_fx8[3], y_fx8[3];
   float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without
@@ -173,7 +193,8 @@ struct alignas(64) Triangle {
   uint32_t batch;                // in the chunk
   uint16_t vertex[3];            // in the batch
   uint16_t provoking_and_flags;  // vertex in the batch, and:
-  static constexpr uint16_t kFront = 0x8000, kClockwise = 0x4000, kProvokingMask = 0x3FFF;
+  static constexpr uint16_t kFront = 0x8000, kClockwise = 0x4000, kShapeBit = 12, kProvokingMask = 0x0FFF;
+  Shape shape() const { return static_cast<Shape>(provoking_and_flags >> kShapeBit & 3); }
 };
 static_assert(sizeof(Triangle) == 64);
 

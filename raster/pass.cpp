@@ -121,7 +121,7 @@ void Pass::State::record(const DrawPacket& packet) {
   } else {
     draw.prims_per_instance = primitive_count(packet.topology, vertices);
   }
-  draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clamp);
+  draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clip);
   draw.rect = rect;
   const bool tests_depth = packet.depth_test && scene.depth.address;
   draw.depth_format = scene.depth.format;

@@ -147,7 +147,7 @@ TEST(Pass, HiZKnowsDepthClamp) {
   draw.add({-1, -1, 4, 1});
   draw.add({3, -1, 4, 1});
   draw.add({-1, 3, 4, 1});
-  draw.packet_base.depth_clamp = true;
+  draw.packet_base.depth_clip = false;
   draw.packet_base.viewport = {0, 0, 64, 64, 0, 0.5f};
   ThreadPool pool(1);
   Pass pass(pool, target.desc(true), test_options());

@@ -47,15 +47,35 @@ struct IndexBuffer {
   VkIndexType type = VK_INDEX_TYPE_UINT16;
 };
 
+// Viewports and scissors when there are several; the first is also in the packet.
+struct ViewportArray {
+  uint32_t count = 0;
+  std::array<VkViewport, kMaxViewports> viewport{};
+  std::array<VkRect2D, kMaxViewports> scissor{};
+};
+
+// VK_EXT_line_rasterization. kStrict is also what VkPhysicalDeviceLimits::strictLines promises.
+enum class LineMode : uint8_t { kStrict, kBresenham, kSmooth };
+
+struct LineState {
+  LineMode mode = LineMode::kStrict;
+  bool stippled = false;
+  uint16_t stipple_pattern = 0xFFFF;
+  uint32_t stipple_factor = 1;
+  float width_px = 1;
+};
+
 struct DrawPacket {
   // kernels
   KernelHandle vertex, fragment;
   uint32_t vertex_slots = 4;  // GraphicsKernels::vertex_slots
+  VertexOutputs outputs;      // likewise
   bool early_depth = false, opaque = false, has_side_effects = false;
   const DrawContext* context = nullptr;  // must live until Pass::end returns
   // input assembly
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   bool primitive_restart = false;
+  bool provoking_last = false;  // VK_EXT_provoking_vertex
   IndexBuffer index;
   uint32_t first = 0;         // firstVertex or firstIndex
   uint32_t count = 0;         // vertices or indices
@@ -64,9 +84,12 @@ struct DrawPacket {
   // rasterization
   VkViewport viewport{};
   VkRect2D scissor{};
+  const ViewportArray* viewports = nullptr;  // null: one. Must live until Pass::end returns
+  VkPolygonMode polygon_mode = VK_POLYGON_MODE_FILL;
+  LineState line;
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-  bool depth_clamp = false;
+  bool depth_clip = true;  // near and far planes clip; kernels clamp depths on their own (FragmentState::depth_clamp)
   bool depth_bias = false;
   float depth_bias_constant = 0, depth_bias_clamp = 0, depth_bias_slope = 0;
   // depth, for Hi-Z only: the kernel does the test itself

@@ -30,8 +30,9 @@ inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   for (int k = 0; k < 3; ++k) p.vertex[k] = vertex(t.vertex[k]);
   p.front_facing = (t.provoking_and_flags & Triangle::kFront) != 0;
   p.primitive_id = t.primitive_id;
-  p.layer = p.viewport_index = 0;
-  p.point_size = 1;
+  p.layer = 0;
+  p.viewport_index = batch.viewport;
+  p.reserved = 0;
   p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) *
                                              static_cast<ptrdiff_t>(sizeof(float)));
 }

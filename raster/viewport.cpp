@@ -18,7 +18,7 @@ void guard_band(float half_px, float center_px, float& min_ndc, float& max_ndc) 
 
 }  // namespace
 
-ViewportTransform make_viewport_transform(const VkViewport& viewport, bool depth_clamp) {
+ViewportTransform make_viewport_transform(const VkViewport& viewport, bool clip_depth) {
   ViewportTransform t{};
   const float half_w = viewport.width * 0.5f, half_h = viewport.height * 0.5f;  // a negative height flips y
   const float center_x = viewport.x + half_w, center_y = viewport.y + half_h;
@@ -28,7 +28,7 @@ ViewportTransform make_viewport_transform(const VkViewport& viewport, bool depth
   t.offset_y_fx8 = center_y * kSubpixels;
   t.scale_z = viewport.maxDepth - viewport.minDepth;
   t.offset_z = viewport.minDepth;
-  t.clip_depth = !depth_clamp;
+  t.clip_depth = clip_depth;
   guard_band(half_w, center_x, t.guard_x_min, t.guard_x_max);
   guard_band(half_h, center_y, t.guard_y_min, t.guard_y_max);
   return t;

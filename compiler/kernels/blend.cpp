@@ -70,7 +70,7 @@ class Blender {
   }
 
  private:
-  bool is_fixed_point() const { return format_.numeric != Numeric::kSfloat; }
+  bool is_fixed_point() const { return !format_.is_float(); }
 
   // "If the color attachment is fixed-point, the components of the source and destination values and blend factors are each
   // clamped": no signed format is blendable.

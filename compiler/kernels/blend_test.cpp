@@ -17,7 +17,7 @@ using spirv::StageInterface;
 using Color = std::array<double, 4>;
 
 Color clamped(const FormatInfo& format, Color c) {
-  if (format.numeric == Numeric::kSfloat) return c;
+  if (format.is_float()) return c;
   for (double& x : c) x = std::clamp(x, 0.0, 1.0);
   return c;
 }
@@ -77,9 +77,9 @@ double blend_reference(const BlendState& state, uint32_t c, const Color& s, cons
 
 // A component's distance from its reference, in codes (fixed point) or relative to the terms' size (float formats).
 double distance(const FormatInfo& format, uint32_t c, uint32_t code, double want) {
-  if (format.numeric == Numeric::kSfloat) {
+  if (format.is_float()) {
     const double got = decode_reference(format, c, code);
-    return std::fabs(got - want);
+    return std::fabs(got - (format.numeric == Numeric::kUfloat ? std::max(want, 0.0) : want));
   }
   want = std::clamp(want, 0.0, 1.0);
   const bool encoded = format.numeric == Numeric::kSrgb && c < 3;
@@ -91,8 +91,9 @@ double distance(const FormatInfo& format, uint32_t c, uint32_t code, double want
 // Half a code is rounding to the format; the rest is binary32 arithmetic: 2^-24 of 1 is 2^-14 codes of 10 bits, the sRGB curve is
 // up to 12.92 steep.
 double limit(const FormatInfo& format) {
-  if (format.numeric != Numeric::kSfloat) return 0.5 + 0x1p-12;
-  return format.component[0].bits == 16 ? 0x1p-8 : 0x1p-20;  // values of at most 8: an ulp of binary16 is 2^-8 there
+  if (!format.is_float()) return 0.5 + (format.component[0].bits > 10 ? 0x1p-6 : 0x1p-12);
+  if (format.numeric == Numeric::kUfloat) return 0x1p-4 + 0x1p-20;  // 5 mantissa bits: an ulp is 2^-3 below 8
+  return format.component[0].bits == 16 ? 0x1p-8 : 0x1p-20;         // values of at most 8: an ulp of binary16 is 2^-8 there
 }
 
 class BlendRig {
@@ -112,7 +113,7 @@ class BlendRig {
   }
 
   void check(std::mt19937& random) {
-    const bool floats = format_.numeric == Numeric::kSfloat;
+    const bool floats = format_.is_float();
     const auto number = [&] { return static_cast<float>(random() / 0x1p32 * (floats ? 4 : 1.3) - (floats ? 2 : 0.15)); };
     Color constant;
     for (uint32_t c = 0; c < 4; ++c) constant[c] = rig_.draw.blend_constants[c] = number();

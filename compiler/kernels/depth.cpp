@@ -42,8 +42,12 @@ DepthTest::DepthTest(Builder& b, const compiler::FragmentState& state, Value blo
 
 void DepthTest::set_depth(Builder& b, Value z) {
   if (depth_clamp_) {
-    const Value low = load_draw(b, Type::kF32, offsetof(DrawContext, depth_clamp));
-    const Value high = load_draw(b, Type::kF32, offsetof(DrawContext, depth_clamp) + sizeof(float));
+    const Value viewport = b.load(Type::kI32, b.prim_ptr(), offsetof(FragmentPrim, viewport_index), kFixed);
+    const Value range = b.ptr_add(b.draw_ptr(), b.shl(viewport, b.i32(3)));
+    const auto end = [&](uint32_t i) {
+      return b.load(Type::kF32, range, static_cast<uint32_t>(offsetof(DrawContext, depth_range) + i * sizeof(float)), kFixed);
+    };
+    const Value low = end(0), high = end(1);
     z = b.fmin(b.fmax(low, z), high);
   }
   // Without VK_EXT_depth_range_unrestricted every stored depth is in [0, 1].

@@ -67,6 +67,13 @@ class FragmentStage final : public Stage {
         return load_draw(b, Type::kI32, offsetof(DrawContext, view_index));
       case BuiltIn::kHelperInvocation:
         return as(b, in.type, b.not_(covered_));
+      case BuiltIn::kPointCoord:
+        return position_.point_coord(in.component);
+      case BuiltIn::kClipDistance:
+      case BuiltIn::kCullDistance: {
+        const auto slot = built_in_slot(*in.built_in, in.component);
+        return position_.varying(b, provisional_slot(slot->location, slot->component), in);
+      }
       case BuiltIn::kSampleId:
         return b.i32(0);
       case BuiltIn::kSamplePosition:

@@ -259,8 +259,8 @@ TEST(Fragment, DepthClampUsesTheViewportsRange) {
       .format = VK_FORMAT_D32_SFLOAT, .test_enable = true, .write_enable = true, .compare = VK_COMPARE_OP_ALWAYS};
   rig.source.state.depth_clamp = true;
   rig.build(eval::Mode::kF32, true);
-  rig.draw.depth_clamp[0] = 0.25f;
-  rig.draw.depth_clamp[1] = 0.5f;
+  rig.draw.depth_range[0][0] = 0.25f;
+  rig.draw.depth_range[0][1] = 0.5f;
   for (const auto& [z, want] : {std::pair{0.1f, 0.25f}, {0.3f, 0.3f}, {2.0f, 0.5f}, {NAN, 0.25f}}) {
     rig.prim = {.z0 = z};
     rig.depth.clear();

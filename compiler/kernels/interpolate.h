@@ -15,6 +15,7 @@ class Interpolator {
 
   ir::Value depth(ir::Builder& b) const;
   ir::Value frag_coord(ir::Builder& b, uint32_t component) const;  // gl_FragCoord, pixel centres at .5
+  ir::Value point_coord(uint32_t component) const { return component == 0 ? l1_ : l2_; }
   // The attribute in slot `slot` of the vertex records.
   ir::Value varying(ir::Builder& b, uint32_t slot, const spirv::InterfaceScalar& in) const;
 

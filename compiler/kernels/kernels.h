@@ -32,5 +32,11 @@ Result<ir::Kernel> build_compute(const compiler::ComputeSource& source, const Sh
 // 4, 5, ... and tells which they are: slot 4 + i of the vertex record holds the i-th. Before, the slot is provisional_slot().
 std::vector<compiler::VaryingSlot> compact_varyings(ir::Kernel& kernel);
 constexpr uint32_t provisional_slot(uint32_t location, uint32_t component) { return 4 + location * 4 + component; }
+// Built-in outputs of the vertex stage that are kept in the record have locations behind all others; none for those that are
+// not. An element is a component, eight of them two locations.
+std::optional<compiler::VaryingSlot> built_in_slot(spirv::BuiltIn built_in, uint32_t element);
+
+// Appends the built-in outputs of a vertex shader that geometry needs, and tells where they are.
+VertexOutputs add_vertex_outputs(const spirv::ModuleInfo& vertex, bool draws_points, std::vector<compiler::VaryingSlot>& varyings);
 
 }  // namespace pineda::kernels

@@ -45,7 +45,7 @@ struct Image {
   }
 
   void random_texel(uint8_t* texel, std::mt19937& random) const {
-    if (format.numeric == Numeric::kSfloat) {
+    if (format.is_float()) {
       VkClearColorValue color;
       for (float& v : color.float32) v = static_cast<float>(random() / 0x1p31 - (format.is_depth() ? 0 : 1));
       if (format.is_depth())
@@ -63,7 +63,7 @@ struct Image {
   double texel(int x, int y, uint32_t level, uint32_t component, uint32_t layer = 0) const {
     const uint32_t at = layer * descriptor.layer_pitch_bytes + descriptor.levels[level].offset_bytes +
                         (static_cast<uint32_t>(y) * level_width(level) + static_cast<uint32_t>(x)) * format.texel_bytes;
-    return decode_reference(format, component, code_of(format, component, &bytes[at]));
+    return decode_texel(format, component, &bytes[at]);
   }
 };
 

@@ -193,11 +193,11 @@ inline spirv::InterfaceScalar color_output(uint32_t location, uint32_t component
   return {.location = location, .component = component};
 }
 
-// Every row of the table.
+// Every plain row of the table: kernels see no other.
 inline std::vector<const FormatInfo*> all_formats() {
   std::vector<const FormatInfo*> formats;
-  for (int f = 0; f <= VK_FORMAT_ASTC_12x12_SRGB_BLOCK; ++f) {
-    if (const FormatInfo* info = find_format(static_cast<VkFormat>(f))) formats.push_back(info);
+  for (const FormatInfo& info : pineda::all_formats()) {
+    if (info.is_plain()) formats.push_back(&info);
   }
   return formats;
 }
@@ -213,7 +213,9 @@ inline uint32_t code_of(const FormatInfo& format, uint32_t component, const uint
   return static_cast<uint32_t>(code);
 }
 
-// What the component means, after the specification's formulas, in double.
+// What the component means, after the specification's formulas, in double: of its bits (mantissas of E5B9G9R9: unscaled), of a
+// texel in memory.
 double decode_reference(const FormatInfo& format, uint32_t component, uint32_t code);
+double decode_texel(const FormatInfo& format, uint32_t component, const uint8_t* texel);
 
 }  // namespace pineda::kernels::test

@@ -1,5 +1,7 @@
 #include "compiler/kernels/texel.h"
 
+#include <limits>
+
 #include "base/srgb.h"
 
 namespace pineda::kernels {
@@ -33,6 +35,48 @@ Value decode_float(Builder& b, uint32_t bits, Value code) {
   return b.convert(Op::kFConvert, Type::kF32, b.bitcast(Type::kF16, b.convert(Op::kTrunc, Type::kI16, code)));
 }
 
+// A half without its sign and its lowest mantissa bits.
+Value decode_ufloat(Builder& b, uint32_t bits, Value code) { return decode_float(b, 16, b.shl(code, b.i32(15 - bits))); }
+
+// base/format_pack.cpp's ufloat.
+Value encode_ufloat(Builder& b, uint32_t bits, Value value) {
+  const uint32_t mantissa_bits = bits - 5, shift = 23 - mantissa_bits, infinity = 31u << mantissa_bits;
+  const Value x = b.fmax(b.f32(0), value);  // NaN gives 0 for now
+  const Value word = raw_bits(b, b.fmin(x, b.f32(65536)));
+  const Value odd = b.and_(b.lshr(word, b.i32(shift)), b.i32(1));
+  const Value rounded = b.lshr(b.iadd(b.iadd(word, b.i32((1u << (shift - 1)) - 1)), odd), b.i32(shift));
+  const Value normal = b.umin(b.isub(rounded, b.i32(112u << mantissa_bits)), b.i32(infinity - 1));
+  const double denormal_scale = static_cast<double>(1u << (14 + mantissa_bits));
+  const Value scaled = b.fma(b.fmin(x, b.f32(1)), b.f32(denormal_scale), b.f32(kRoundUnsigned));
+  const Value denormal = b.and_(raw_bits(b, scaled), b.i32((1u << (mantissa_bits + 1)) - 1));
+  const Value finite = b.select(b.flt(x, b.f32(0x1p-14)), denormal, normal);
+  const Value special = b.select(b.feq(value, value), b.i32(infinity), b.i32(infinity | 1u << (mantissa_bits - 1)));
+  return b.select(b.flt(value, b.f32(std::numeric_limits<double>::infinity())), finite, special);
+}
+
+// base/format_pack.cpp's shared_exponent.
+Value encode_shared_exponent(Builder& b, const Channels& values) {
+  std::array<Value, 3> c;
+  for (uint32_t i = 0; i < 3; ++i) c[i] = clamp(b, values[i], 0, 65408);
+  const Value largest = b.fmax(b.fmax(c[0], c[1]), c[2]);
+  const auto scale_of = [&](Value exponent) {
+    return b.bitcast(Type::kF32, b.shl(b.isub(b.i32(127 + 24), exponent), b.i32(23)));
+  };
+  // To nearest, halves up; the product is exact.
+  const auto mantissa = [&](Value x, Value scale) {
+    const Value scaled = b.fmul(x, scale), whole = b.ffloor(scaled);
+    const Value up = b.fle(b.f32(0.5), b.fsub(scaled, whole));
+    return b.iadd(b.convert(Op::kFToS, Type::kI32, whole), b.convert(Op::kZExt, Type::kI32, up));
+  };
+  Value exponent = b.isub(b.umax(b.lshr(raw_bits(b, largest), b.i32(23)), b.i32(111)), b.i32(111));
+  const Value carry = b.ieq(mantissa(largest, scale_of(exponent)), b.i32(512));
+  exponent = b.iadd(exponent, b.convert(Op::kZExt, Type::kI32, carry));
+  const Value scale = scale_of(exponent);
+  Value word = b.shl(exponent, b.i32(27));
+  for (uint32_t i = 0; i < 3; ++i) word = b.or_(word, b.shl(mantissa(c[i], scale), b.i32(9 * i)));
+  return word;
+}
+
 Value srgb_table(Builder& b, size_t pointer_offset) {
   return b.load(Type::kPtr, b.draw_ptr(), static_cast<uint32_t>(pointer_offset), ir::kInvariant | ir::kSpeculate);
 }
@@ -56,15 +100,17 @@ Value encode_srgb(Builder& b, Value linear) {
 
 Words load_words(Builder& b, const FormatInfo& format, const ir::Address& at, uint8_t flags) {
   Words words{};
-  if (format.texel_bytes < 4) {
-    const Type type = format.texel_bytes == 1 ? Type::kI8 : Type::kI16;
-    words[0] = b.convert(Op::kZExt, Type::kI32, b.load(type, at, flags));
-    return words;
-  }
-  for (uint32_t w = 0; w < word_count(format); ++w) {
-    ir::Address word = at;
-    if (w > 0) word.offset = at.offset ? b.iadd(at.offset, b.i32(4 * w)) : b.i32(4 * w);
-    words[w] = b.load(Type::kI32, word, flags);
+  const auto load = [&](Type type, uint32_t byte) {
+    ir::Address part = at;
+    if (byte > 0) part.offset = at.offset ? b.iadd(at.offset, b.i32(byte)) : b.i32(byte);
+    return b.convert(Op::kZExt, Type::kI32, b.load(type, part, flags));
+  };
+  // Texels of 3 and 6 bytes end inside a word: its parts are loaded one by one.
+  const Type part = format.texel_bytes % 4 == 0 ? Type::kI32 : format.texel_bytes % 2 == 0 ? Type::kI16 : Type::kI8;
+  for (uint32_t byte = 0; byte < format.texel_bytes; byte += ir::size_bytes(part)) {
+    Value& word = words[byte / 4];
+    const Value value = load(part, byte);
+    word = word ? b.or_(word, b.shl(value, b.i32(8 * (byte % 4)))) : value;
   }
   return words;
 }
@@ -122,6 +168,13 @@ Value unpack_component(Builder& b, const FormatInfo& format, uint32_t component,
       return to_float(b, format, bits, code);
     case Numeric::kSfloat:
       return decode_float(b, bits, code);
+    case Numeric::kUfloat:
+      return decode_ufloat(b, bits, code);
+    case Numeric::kSharedExp: {
+      const Value exponent = b.lshr(words[0], b.i32(27));
+      const Value scale = b.bitcast(Type::kF32, b.shl(b.iadd(exponent, b.i32(127 - 24)), b.i32(23)));
+      return b.fmul(to_float(b, format, bits, code), scale);
+    }
     case Numeric::kSnorm: {  // the most negative code is -1 too
       const Value value = divide_by_constant(b, to_float(b, format, bits, code), code_scale(format, component));
       return b.fmax(value, b.f32(-1));
@@ -160,6 +213,7 @@ Field pack_component(Builder& b, const FormatInfo& format, uint32_t component, V
     const Value x = clamp(b, value, -1, 1);
     return {raw_bits(b, b.fma(x, b.f32(code_scale(format, component)), b.f32(kRoundSigned))), bits};
   }
+  if (format.numeric == Numeric::kUfloat) return {encode_ufloat(b, bits, value)};
   if (bits == 16) {
     const Value half = b.convert(Op::kFConvert, Type::kF16, value);
     return {b.convert(Op::kZExt, Type::kI32, b.bitcast(Type::kI16, half))};
@@ -186,6 +240,7 @@ Words pack_fields(Builder& b, const FormatInfo& format, const std::array<Field, 
 }
 
 Words pack(Builder& b, const FormatInfo& format, const Channels& values) {
+  if (format.numeric == Numeric::kSharedExp) return {encode_shared_exponent(b, values)};
   std::array<Field, 4> fields{};
   for (uint32_t c = 0; c < 4; ++c) {
     if (format.component[c].bits != 0) fields[c] = pack_component(b, format, c, values[c]);

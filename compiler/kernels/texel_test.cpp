@@ -46,6 +46,7 @@ std::vector<std::vector<uint32_t>> texels(const FormatInfo& format) {
       if (where.bits < 32) code &= (1u << where.bits) - 1;
       texel[where.first_bit / 32] |= code << where.first_bit % 32;
     }
+    if (format.numeric == Numeric::kSharedExp) texel[0] |= i << 27;
     for (size_t w = 0; w < words.size(); ++w) words[w].push_back(texel[w]);
   }
   return words;
@@ -58,8 +59,12 @@ TEST(Texel, UnpacksEveryFormat) {
     for (size_t i = 0; i < words[0].size(); ++i) {
       uint32_t texel[4] = {};
       for (size_t w = 0; w < words.size(); ++w) texel[w] = words[w][i];
+      const VkClearColorValue host = unpack_texel(*format, reinterpret_cast<const uint8_t*>(texel));
       for (uint32_t c = 0; c < 4; ++c) {
-        const double want = decode_reference(*format, c, code_of(*format, c, reinterpret_cast<const uint8_t*>(texel)));
+        if (!std::isnan(host.float32[c])) {
+          ASSERT_EQ(values[c][i], host.uint32[c]) << format->name << " on the host";
+        }
+        const double want = decode_texel(*format, c, reinterpret_cast<const uint8_t*>(texel));
         if (format->is_integer()) {
           ASSERT_EQ(values[c][i], static_cast<uint32_t>(static_cast<int64_t>(want))) << format->name;
         } else if (std::isnan(want)) {
@@ -93,7 +98,7 @@ std::vector<float> floats_to_pack(const FormatInfo& format) {
 
 TEST(Texel, PacksAsTheHostDoes) {
   for (const FormatInfo* format : all_formats()) {
-    if (format->is_depth()) continue;
+    if (format->is_depth() || format->is_scaled()) continue;
     const std::vector<float> x = floats_to_pack(*format);
     std::vector<std::vector<uint32_t>> in(4);
     for (size_t i = 0; i < x.size(); ++i) {
@@ -117,7 +122,7 @@ TEST(Texel, PacksAsTheHostDoes) {
 TEST(Texel, HostRoundsToNearest) {
   std::mt19937 random(kSeed);
   for (const FormatInfo* format : all_formats()) {
-    if (format->is_integer() || format->is_depth() || format->numeric == Numeric::kSfloat) continue;
+    if (format->is_integer() || format->is_depth() || format->is_scaled() || format->is_float()) continue;
     for (int i = 0; i < 2000; ++i) {
       VkClearColorValue color;
       for (float& v : color.float32) v = static_cast<float>(random() / 0x1p31 - 0.5);
@@ -137,9 +142,49 @@ TEST(Texel, HostRoundsToNearest) {
   }
 }
 
+// Unsigned small floats: the nearest code, found by trying all of them.
+TEST(Texel, HostRoundsSmallFloatsToNearest) {
+  const FormatInfo& format = *find_format(VK_FORMAT_B10G11R11_UFLOAT_PACK32);
+  std::mt19937 random(kSeed);
+  for (const uint32_t c : {0u, 2u}) {
+    const uint32_t codes = 31u << (format.component[c].bits - 5);  // finite ones
+    for (int i = 0; i < 3000; ++i) {
+      VkClearColorValue color{};
+      color.float32[c] = static_cast<float>(std::exp2(random() / 0x1p32 * 40 - 22));
+      uint8_t texel[4];
+      pack_clear_color(format, color, texel);
+      const uint32_t code = code_of(format, c, texel);
+      ASSERT_LT(code, codes);
+      const auto error = [&](uint32_t k) { return std::fabs(decode_reference(format, c, k) - color.float32[c]); };
+      ASSERT_TRUE(code == 0 || error(code) <= error(code - 1)) << color.float32[c];
+      ASSERT_TRUE(code + 1 == codes || error(code) <= error(code + 1)) << color.float32[c];
+    }
+  }
+}
+
+// Section "RGB to Shared Exponent Conversion", in double.
+TEST(Texel, HostSharesTheSpecifiedExponent) {
+  const FormatInfo& format = *find_format(VK_FORMAT_E5B9G9R9_UFLOAT_PACK32);
+  std::mt19937 random(kSeed);
+  for (int i = 0; i < 20000; ++i) {
+    VkClearColorValue color{};
+    for (float& v : color.float32) v = static_cast<float>(std::exp2(random() / 0x1p32 * 40 - 22));
+    double clamped[3], largest = 0;
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, clamped[c] = std::min<double>(color.float32[c], 65408));
+    int exponent = std::max(-16, std::ilogb(largest)) + 1 + 15;
+    if (std::floor(largest / std::exp2(exponent - 24) + 0.5) == 512) ++exponent;
+    uint8_t texel[4];
+    pack_clear_color(format, color, texel);
+    for (uint32_t c = 0; c < 3; ++c) {
+      ASSERT_EQ(code_of(format, c, texel), std::floor(clamped[c] / std::exp2(exponent - 24) + 0.5));
+    }
+    ASSERT_EQ(texel[3] >> 3, exponent);
+  }
+}
+
 TEST(Texel, UnpackThenPackIsIdentity) {
   for (const FormatInfo* format : all_formats()) {
-    if (format->is_depth()) continue;
+    if (format->is_depth() || format->is_scaled()) continue;
     const auto words = texels(*format);
     const auto again = packer(*format)(unpacker(*format)(words));
     for (size_t i = 0; i < words[0].size(); ++i) {
@@ -149,7 +194,12 @@ TEST(Texel, UnpackThenPackIsIdentity) {
         const uint32_t code = code_of(*format, c, reinterpret_cast<const uint8_t*>(before));
         const uint32_t bits = format->component[c].bits;
         if (format->numeric == Numeric::kSnorm && bits != 0 && code == 1u << (bits - 1)) continue;  // a second code of -1
-        if (format->numeric == Numeric::kSfloat && std::isnan(decode_reference(*format, c, code))) continue;
+        if (format->is_float() && std::isnan(decode_reference(*format, c, code))) continue;
+        if (format->numeric == Numeric::kSharedExp) {  // many codes of one value
+          ASSERT_EQ(decode_texel(*format, c, reinterpret_cast<const uint8_t*>(after)),
+                    decode_texel(*format, c, reinterpret_cast<const uint8_t*>(before)));
+          continue;
+        }
         ASSERT_EQ(code_of(*format, c, reinterpret_cast<const uint8_t*>(after)), code) << format->name << " component " << c;
       }
     }

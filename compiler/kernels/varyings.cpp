@@ -36,7 +36,61 @@ std::vector<Value> varying_loads(const Kernel& kernel) {
   return loads;
 }
 
+// The spirv translator refuses locations from here on.
+constexpr uint32_t kFirstBuiltInLocation = 1024;
+constexpr struct {
+  spirv::BuiltIn built_in;
+  uint32_t location;
+} kBuiltInLocations[] = {
+    {spirv::BuiltIn::kClipDistance, kFirstBuiltInLocation}, {spirv::BuiltIn::kCullDistance, kFirstBuiltInLocation + 2},
+    {spirv::BuiltIn::kPointSize, kFirstBuiltInLocation + 4}, {spirv::BuiltIn::kLayer, kFirstBuiltInLocation + 5},
+    {spirv::BuiltIn::kViewportIndex, kFirstBuiltInLocation + 6}};
+
 }  // namespace
+
+std::optional<compiler::VaryingSlot> built_in_slot(spirv::BuiltIn built_in, uint32_t element) {
+  for (const auto& row : kBuiltInLocations) {
+    if (row.built_in == built_in) return compiler::VaryingSlot{row.location + element / 4, element % 4};
+  }
+  return {};
+}
+
+VertexOutputs add_vertex_outputs(const spirv::ModuleInfo& vertex, bool draws_points,
+                                 std::vector<compiler::VaryingSlot>& varyings) {
+  VertexOutputs outputs;
+  // Outputs are sorted, so a shader's distances come one after the other.
+  const auto add = [&](const spirv::InterfaceScalar& out) {
+    varyings.push_back(*built_in_slot(*out.built_in, out.component));
+    return static_cast<uint16_t>(provisional_slot(0, 0) + varyings.size() - 1);
+  };
+  for (const spirv::InterfaceScalar& out : vertex.outputs) {
+    if (!out.built_in) continue;
+    switch (*out.built_in) {
+      case spirv::BuiltIn::kPointSize:
+        if (draws_points) outputs.point_size = add(out);
+        break;
+      case spirv::BuiltIn::kLayer:
+        outputs.layer = add(out);
+        break;
+      case spirv::BuiltIn::kViewportIndex:
+        outputs.viewport_index = add(out);
+        break;
+      case spirv::BuiltIn::kClipDistance: {
+        const uint16_t slot = add(out);
+        if (outputs.clip_count++ == 0) outputs.clip_distance = slot;
+        break;
+      }
+      case spirv::BuiltIn::kCullDistance: {
+        const uint16_t slot = add(out);
+        if (outputs.cull_count++ == 0) outputs.cull_distance = slot;
+        break;
+      }
+      default:
+        break;
+    }
+  }
+  return outputs;
+}
 
 std::vector<compiler::VaryingSlot> compact_varyings(Kernel& kernel) {
   const std::vector<Value> loads = varying_loads(kernel);

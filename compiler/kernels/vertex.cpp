@@ -38,7 +38,10 @@ class VertexStage final : public Stage {
   void output(Builder& b, const spirv::InterfaceScalar& out, Value value) override {
     if (out.built_in) {
       if (*out.built_in == BuiltIn::kPosition && out.component < 4) outputs_[out.component] = value;
-      return;  // the point size is not used: points are one pixel wide
+      if (const auto slot = built_in_slot(*out.built_in, out.component)) {
+        outputs_[provisional_slot(slot->location, slot->component)] = value;
+      }
+      return;
     }
     if (ir::size_bytes(b.type(value)) == 4) outputs_[provisional_slot(out.location, out.component)] = value;
   }

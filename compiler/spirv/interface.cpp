@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/abi.h"
 #include "compiler/spirv/module.h"
 
 namespace pineda::spirv {
@@ -20,6 +21,8 @@ struct BuiltInRow {
 constexpr BuiltInRow kBuiltIns[] = {
     {spv::BuiltInPosition, BuiltIn::kPosition, ir::Type::kF32, 4},
     {spv::BuiltInPointSize, BuiltIn::kPointSize, ir::Type::kF32, 1},
+    {spv::BuiltInClipDistance, BuiltIn::kClipDistance, ir::Type::kF32, kMaxClipDistances},
+    {spv::BuiltInCullDistance, BuiltIn::kCullDistance, ir::Type::kF32, kMaxClipDistances},
     {spv::BuiltInVertexIndex, BuiltIn::kVertexIndex, ir::Type::kI32, 1},
     {spv::BuiltInInstanceIndex, BuiltIn::kInstanceIndex, ir::Type::kI32, 1},
     {spv::BuiltInBaseVertex, BuiltIn::kBaseVertex, ir::Type::kI32, 1},

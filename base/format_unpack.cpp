@@ -1,12 +1,12 @@
-#include "icd/texel.h"
-
+// Decoding one texel on the host: the same values as compiler/kernels/texel.cpp.
 #include <bit>
 #include <cstring>
 
+#include "base/format.h"
 #include "base/half.h"
 #include "base/srgb.h"
 
-namespace pineda::icd {
+namespace pineda {
 namespace {
 
 int32_t sign_extend(uint32_t value, uint32_t bits) { return static_cast<int32_t>(value << (32 - bits)) >> (32 - bits); }
@@ -30,6 +30,9 @@ float decode_float(const FormatInfo& format, uint32_t component, uint32_t raw) {
       return static_cast<float>(sign_extend(raw, bits));
     case Numeric::kSfloat:
       return bits == 16 ? half_to_float(static_cast<uint16_t>(raw)) : std::bit_cast<float>(raw);
+    case Numeric::kUfloat:
+      return half_to_float(static_cast<uint16_t>(raw << (15 - bits)));
+    case Numeric::kSharedExp:
     case Numeric::kUint:
     case Numeric::kSint:
       break;
@@ -57,6 +60,9 @@ VkClearColorValue unpack_texel(const FormatInfo& format, const uint8_t* texel) {
       out.int32[c] = sign_extend(raw, where.bits);
     } else if (format.numeric == Numeric::kUint) {
       out.uint32[c] = raw;
+    } else if (format.numeric == Numeric::kSharedExp) {
+      const auto exponent = static_cast<uint32_t>(words[0] >> 27 & 31);
+      out.float32[c] = static_cast<float>(raw) * std::bit_cast<float>((exponent + 127 - 24) << 23);
     } else {
       out.float32[c] = decode_float(format, c, raw);
     }
@@ -64,4 +70,4 @@ VkClearColorValue unpack_texel(const FormatInfo& format, const uint8_t* texel) {
   return out;
 }
 
-}  // namespace pineda::icd
+}  // namespace pineda
