@@ -1,0 +1,15 @@
+// Each registers the cases of one file.
+#pragma once
+
+namespace pineda::cts {
+
+void register_glsl_operators();
+void register_glsl_builtins();
+void register_pipeline_blend();
+void register_pipeline_depth_stencil();
+void register_pipeline_logic_op();
+void register_pipeline_vertex_input();
+
+
+
+}  // namespace pineda::cts

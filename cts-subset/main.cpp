@@ -1,0 +1,109 @@
+// pineda_cts: conformance-style tests of any Vulkan driver, through the loader (VK_DRIVER_FILES chooses it).
+//
+//   pineda_cts --gtest_filter='pipeline.blend.*'    in this process
+//   pineda_cts --isolate --junit=out.xml            in child processes, so that a crash costs one case
+//
+// GoogleTest's own flags and environment (filter, sharding, repetition) work in both. Exit status 0: no case failed.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "cts-subset/harness/case.h"
+#include "cts-subset/harness/device.h"
+#include "cts-subset/harness/isolate.h"
+
+namespace pineda::cts {
+namespace {
+
+// In a child: tells the parent each verdict as it falls, on the pipe that it was given.
+class PipeReporter : public testing::EmptyTestEventListener {
+ public:
+  explicit PipeReporter(int fd) : fd_(fd) {}
+
+  void OnTestEnd(const testing::TestInfo& info) override {
+    const testing::TestResult& result = *info.result();
+    std::string line = result.Skipped() ? "N" : result.Failed() ? "F" : "P";
+    line += std::string(info.test_suite_name()) + "." + info.name();
+    for (int i = 0; i < result.total_part_count(); ++i) {
+      if (!result.GetTestPartResult(i).passed()) line += std::string("\t") + result.GetTestPartResult(i).message();
+    }
+    std::ranges::replace(line, '\n', ' ');
+    line += "\n";
+    if (write(fd_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) _exit(3);
+  }
+
+ private:
+  int fd_;
+};
+
+// The names that GoogleTest's filter and sharding leave, in order.
+std::vector<std::string> selected_cases() {
+  testing::internal::CaptureStdout();
+  GTEST_FLAG_SET(list_tests, true);
+  if (RUN_ALL_TESTS() != 0) return {};
+  std::istringstream listing(testing::internal::GetCapturedStdout());
+  std::vector<std::string> cases;
+  std::string line, group;
+  while (std::getline(listing, line)) {
+    if (line.starts_with("  ")) {
+      cases.push_back(group + line.substr(2));
+    } else {
+      group = line;  // ends with a dot
+    }
+  }
+  return cases;
+}
+
+int run_in_children(const char* program, const std::string& junit_path) {
+  IsolationOptions options;
+  options.program = program;
+  options.junit_path = junit_path;
+  const std::vector<std::string> cases = selected_cases();
+  const Totals totals = run_isolated(cases, options);
+  std::printf("%zu cases: %d Pass, %d Fail, %d NotSupported\n", cases.size(), totals.pass, totals.fail, totals.not_supported);
+  return totals.fail == 0 && !cases.empty() ? 0 : 1;
+}
+
+int run_as_child(const std::string& list_path, int report_fd) {
+  std::ifstream list(list_path);
+  std::string filter, name;
+  while (std::getline(list, name)) filter += (filter.empty() ? "" : ":") + name;
+  GTEST_FLAG_SET(filter, filter);
+  unsetenv("GTEST_TOTAL_SHARDS");  // the parent has applied it
+  auto& listeners = testing::UnitTest::GetInstance()->listeners();
+  delete listeners.Release(listeners.default_result_printer());
+  listeners.Append(new PipeReporter(report_fd));
+  return RUN_ALL_TESTS();
+}
+
+}  // namespace
+}  // namespace pineda::cts
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  CLI::App app("Conformance-style tests of the Vulkan driver that the loader finds");
+  bool isolate = false;
+  std::string junit_path, child_list;
+  int child_report = -1;
+  app.add_flag("--isolate", isolate, "run the cases in child processes: a crash or a hang costs one case");
+  app.add_option("--junit", junit_path, "with --isolate: write a JUnit file");
+  app.add_option("--child-list", child_list)->group("");
+  app.add_option("--child-report", child_report)->group("");
+  CLI11_PARSE(app, argc, argv);
+  pineda::cts::register_all_groups();
+  int status;
+  if (!child_list.empty()) {
+    status = pineda::cts::run_as_child(child_list, child_report);
+  } else if (isolate) {
+    status = pineda::cts::run_in_children("/proc/self/exe", junit_path);
+  } else {
+    status = RUN_ALL_TESTS();
+  }
+  pineda::cts::discard_shared_device();
+  return status;
+}
