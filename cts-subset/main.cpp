@@ -2,8 +2,10 @@
 //
 //   pineda_cts --gtest_filter='pipeline.blend.*'    in this process
 //   pineda_cts --isolate --junit=out.xml            in child processes, so that a crash costs one case
+//   pineda_cts --driver a=a.json --driver b=b.json  on several drivers, one column for each
 //
 // GoogleTest's own flags and environment (filter, sharding, repetition) work in both. Exit status 0: no case failed.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -59,14 +61,36 @@ std::vector<std::string> selected_cases() {
   return cases;
 }
 
-int run_in_children(const char* program, const std::string& junit_path) {
-  IsolationOptions options;
-  options.program = program;
-  options.junit_path = junit_path;
+struct Driver {
+  std::string name, manifest, junit_path;
+};
+
+// Runs the cases on each driver and prints a row for each group, a column for each driver.
+int run_in_children(const std::vector<Driver>& drivers) {
   const std::vector<std::string> cases = selected_cases();
-  const Totals totals = run_isolated(cases, options);
-  std::printf("%zu cases: %d Pass, %d Fail, %d NotSupported\n", cases.size(), totals.pass, totals.fail, totals.not_supported);
-  return totals.fail == 0 && !cases.empty() ? 0 : 1;
+  std::vector<Outcome> outcomes;
+  std::string heading = fmt::format("{:<28}", "Pass / Fail / NotSupported"), all = fmt::format("{:<28}", "all");
+  bool failed = cases.empty();
+  const auto column = [](const Totals& t) { return fmt::format("{:>7} /{:>5} /{:>5}", t.pass, t.fail, t.not_supported); };
+  for (const Driver& driver : drivers) {
+    if (drivers.size() > 1) fmt::print("{}:\n", driver.name);
+    IsolationOptions options;
+    options.program = "/proc/self/exe";
+    options.manifest = driver.manifest;
+    options.junit_path = driver.junit_path;
+    outcomes.push_back(run_isolated(cases, options));
+    heading += fmt::format("{:>21}", driver.name);
+    all += column(outcomes.back().all);
+    failed |= &driver == drivers.data() && outcomes.back().all.fail != 0;
+  }
+  fmt::print("{}\n", heading);
+  for (const auto& [group, totals] : outcomes[0].groups) {
+    std::string line = fmt::format("{:<28}", group);
+    for (const Outcome& outcome : outcomes) line += column(outcome.groups.contains(group) ? outcome.groups.at(group) : Totals{});
+    fmt::print("{}\n", line);
+  }
+  fmt::print("{}\n", all);
+  return failed ? 1 : 0;
 }
 
 int run_as_child(const std::string& list_path, int report_fd) {
@@ -89,9 +113,12 @@ int main(int argc, char** argv) {
   CLI::App app("Conformance-style tests of the Vulkan driver that the loader finds");
   bool isolate = false;
   std::string junit_path, child_list;
+  std::vector<std::string> named_drivers;
   int child_report = -1;
   app.add_flag("--isolate", isolate, "run the cases in child processes: a crash or a hang costs one case");
   app.add_option("--junit", junit_path, "with --isolate: write a JUnit file");
+  app.add_option("--driver", named_drivers,
+                 "NAME=MANIFEST, repeated: isolate, on each of these; NAME.xml is written, exit status of the first");
   app.add_option("--child-list", child_list)->group("");
   app.add_option("--child-report", child_report)->group("");
   CLI11_PARSE(app, argc, argv);
@@ -99,8 +126,15 @@ int main(int argc, char** argv) {
   int status;
   if (!child_list.empty()) {
     status = pineda::cts::run_as_child(child_list, child_report);
-  } else if (isolate) {
-    status = pineda::cts::run_in_children("/proc/self/exe", junit_path);
+  } else if (isolate || !named_drivers.empty()) {
+    std::vector<pineda::cts::Driver> drivers;
+    for (const std::string& named : named_drivers) {
+      const size_t equals = named.find('=');
+      const std::string name = named.substr(0, equals), manifest = equals == std::string::npos ? "" : named.substr(equals + 1);
+      drivers.push_back({name, manifest, name + ".xml"});
+    }
+    if (drivers.empty()) drivers.push_back({"driver", "", junit_path});
+    status = pineda::cts::run_in_children(drivers);
   } else {
     status = RUN_ALL_TESTS();
   }

@@ -1,4 +1,5 @@
-// glsl.operators: the integer, logical and exact float operators of GLSL, in every stage and vector size, against the same operator here.
+// glsl.operators: the integer, logical and exact float operators of GLSL, in every stage and vector size, against the same
+// operator here.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,17 +54,21 @@ const std::vector<Operator>& operators() {
       {"add_int", "x + y", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return a + b; }},
       {"sub_int", "x - y", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return a - b; }},
       {"mul_int", "x * y", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return a * b; }},
-      {"div_int", "x / y", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return u(int64_t{s(a)} / s(b)); }, I::kNonZeroDivisor},
+      {"div_int", "x / y", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return u(int64_t{s(a)} / s(b)); },
+       I::kNonZeroDivisor},
       {"negate_int", "-x", Type::kInt, Type::kInt, [](auto a, auto, auto) { return 0 - a; }},
       {"abs_int", "abs(x)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return s(a) < 0 ? 0 - a : a; }},
-      {"sign_int", "sign(x)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return u(s(a) > 0 ? 1 : s(a) < 0 ? -1 : 0); }},
+      {"sign_int", "sign(x)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return u(s(a) > 0   ? 1
+                                                                                        : s(a) < 0 ? -1
+                                                                                                   : 0); }},
       {"min_int", "min(x, y)", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return u(std::min(s(a), s(b))); }},
       {"max_int", "max(x, y)", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return u(std::max(s(a), s(b))); }},
       {"shift_left_int", "x << (y & 31)", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return a << (b & 31); }},
       {"shift_right_int", "x >> (y & 31)", Type::kInt, Type::kInt, [](auto a, auto b, auto) { return u(s(a) >> (b & 31)); }},
       {"find_msb_int", "findMSB(x)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return find_msb_signed(a); }},
       {"less_int", "lessThan(x, y)", Type::kInt, Type::kBool, [](auto a, auto b, auto) { return of(s(a) < s(b)); }},
-      {"greater_equal_int", "greaterThanEqual(x, y)", Type::kInt, Type::kBool, [](auto a, auto b, auto) { return of(s(a) >= s(b)); }},
+      {"greater_equal_int", "greaterThanEqual(x, y)", Type::kInt, Type::kBool,
+       [](auto a, auto b, auto) { return of(s(a) >= s(b)); }},
       {"int_to_float", "T_FLOAT(x)", Type::kInt, Type::kFloat, nullptr},
       {"add_uint", "x + y", Type::kUint, Type::kUint, [](auto a, auto b, auto) { return a + b; }},
       {"mul_uint", "x * y", Type::kUint, Type::kUint, [](auto a, auto b, auto) { return a * b; }},
@@ -81,10 +86,14 @@ const std::vector<Operator>& operators() {
        [](auto a, auto b, auto c) { return std::clamp(a, std::min(b, c), std::max(b, c)); }},
       {"bit_count", "uvecN(bitCount(x))", Type::kUint, Type::kUint, [](auto a, auto, auto) { return u(std::popcount(a)); }},
       {"bit_reverse", "bitfieldReverse(x)", Type::kUint, Type::kUint, [](auto a, auto, auto) { return reverse_bits(a); }},
-      {"find_lsb", "uvecN(findLSB(x))", Type::kUint, Type::kUint, [](auto a, auto, auto) { return a ? u(std::countr_zero(a)) : ~0u; }},
-      {"find_msb", "uvecN(findMSB(x))", Type::kUint, Type::kUint, [](auto a, auto, auto) { return a ? 31u - u(std::countl_zero(a)) : ~0u; }},
-      {"bitfield_extract_uint", "bitfieldExtract(x, 7, 11)", Type::kUint, Type::kUint, [](auto a, auto, auto) { return extract(a, 7, 11, false); }},
-      {"bitfield_extract_int", "bitfieldExtract(x, 5, 13)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return extract(a, 5, 13, true); }},
+      {"find_lsb", "uvecN(findLSB(x))", Type::kUint, Type::kUint,
+       [](auto a, auto, auto) { return a ? u(std::countr_zero(a)) : ~0u; }},
+      {"find_msb", "uvecN(findMSB(x))", Type::kUint, Type::kUint,
+       [](auto a, auto, auto) { return a ? 31u - u(std::countl_zero(a)) : ~0u; }},
+      {"bitfield_extract_uint", "bitfieldExtract(x, 7, 11)", Type::kUint, Type::kUint,
+       [](auto a, auto, auto) { return extract(a, 7, 11, false); }},
+      {"bitfield_extract_int", "bitfieldExtract(x, 5, 13)", Type::kInt, Type::kInt,
+       [](auto a, auto, auto) { return extract(a, 5, 13, true); }},
       {"bitfield_extract_none", "bitfieldExtract(x, 9, 0)", Type::kUint, Type::kUint, [](auto, auto, auto) { return 0u; }},
       {"bitfield_extract_all", "bitfieldExtract(x, 0, 32)", Type::kInt, Type::kInt, [](auto a, auto, auto) { return a; }},
       {"bitfield_insert", "bitfieldInsert(x, y, 9, 6)", Type::kUint, Type::kUint,
@@ -93,7 +102,8 @@ const std::vector<Operator>& operators() {
       {"equal_uint", "equal(x, y)", Type::kUint, Type::kBool, [](auto a, auto b, auto) { return of(a == b); }},
       {"less_uint", "lessThan(x, y)", Type::kUint, Type::kBool, [](auto a, auto b, auto) { return of(a < b); }},
       {"less_float", "lessThan(x, y)", Type::kFloat, Type::kBool, [](auto a, auto b, auto) { return of(f(a) < f(b)); }},
-      {"less_equal_float", "lessThanEqual(x, y)", Type::kFloat, Type::kBool, [](auto a, auto b, auto) { return of(f(a) <= f(b)); }},
+      {"less_equal_float", "lessThanEqual(x, y)", Type::kFloat, Type::kBool,
+       [](auto a, auto b, auto) { return of(f(a) <= f(b)); }},
       {"equal_float", "equal(x, y)", Type::kFloat, Type::kBool, [](auto a, auto b, auto) { return of(f(a) == f(b)); }},
       {"not_equal_float", "notEqual(x, y)", Type::kFloat, Type::kBool, [](auto a, auto b, auto) { return of(f(a) != f(b)); }},
       {"negate_float", "-x", Type::kFloat, Type::kFloat, [](auto a, auto, auto) { return as_bits(-f(a)); }},
@@ -103,11 +113,13 @@ const std::vector<Operator>& operators() {
       {"floor", "floor(x)", Type::kFloat, Type::kFloat, [](auto a, auto, auto) { return as_bits(std::floor(f(a))); }},
       {"ceil", "ceil(x)", Type::kFloat, Type::kFloat, [](auto a, auto, auto) { return as_bits(std::ceil(f(a))); }},
       {"trunc", "trunc(x)", Type::kFloat, Type::kFloat, [](auto a, auto, auto) { return as_bits(std::trunc(f(a))); }},
-      {"round_even", "roundEven(x)", Type::kFloat, Type::kFloat, [](auto a, auto, auto) { return as_bits(std::nearbyint(f(a))); }},
+      {"round_even", "roundEven(x)", Type::kFloat, Type::kFloat,
+       [](auto a, auto, auto) { return as_bits(std::nearbyint(f(a))); }},
       {"float_to_int", "ivecN(x)", Type::kFloat, Type::kInt, [](auto a, auto, auto) { return u(static_cast<int32_t>(f(a))); }},
       {"logical_and", "bvecN(x.N && y.N)", Type::kBool, Type::kBool, [](auto a, auto b, auto) { return of(a && b); }},
       {"logical_not", "not(x)", Type::kBool, Type::kBool, [](auto a, auto, auto) { return of(!a); }},
-      {"mix_bool", "mix(x, y, greaterThan(z, x))", Type::kInt, Type::kInt, [](auto a, auto b, auto c) { return s(c) > s(a) ? b : a; }},
+      {"mix_bool", "mix(x, y, greaterThan(z, x))", Type::kInt, Type::kInt,
+       [](auto a, auto b, auto c) { return s(c) > s(a) ? b : a; }},
   };
   return table;
 }
@@ -139,10 +151,10 @@ std::string read_expression(Type type, int size, char argument) {
 // Relational operators take vectors only; sizes 1 of them and of the componentwise logical ones are written with scalars.
 std::string expression_for(const Operator& op, int size) {
   std::string text = op.expression;
-  static const std::pair<const char*, const char*> kRelational[] = {{"lessThan(x, y)", "x < y"},        {"lessThanEqual(x, y)", "x <= y"},
-                                                                    {"equal(x, y)", "x == y"},          {"notEqual(x, y)", "x != y"},
-                                                                    {"greaterThanEqual(x, y)", "x >= y"}, {"not(x)", "!x"},
-                                                                    {"greaterThan(z, x)", "z > x"}};
+  static const std::pair<const char*, const char*> kRelational[] = {
+      {"lessThan(x, y)", "x < y"},   {"lessThanEqual(x, y)", "x <= y"},    {"equal(x, y)", "x == y"},
+      {"notEqual(x, y)", "x != y"},  {"greaterThanEqual(x, y)", "x >= y"}, {"not(x)", "!x"},
+      {"greaterThan(z, x)", "z > x"}};
   if (std::string(op.name) == "logical_and") {
     if (size == 1) return "x && y";
     std::string parts;
@@ -192,9 +204,10 @@ void run(Device& device, const Operator& op, int size, VkShaderStageFlagBits sta
   }
   Snippet snippet;
   const std::string type = vector_of(op.in, size);
-  snippet.body = fmt::format("{0} x = {1}, y = {2}, z = {3};\n{4} out_value = {4}({5});\n{6}", type, read_expression(op.in, size, 'a'),
-                             read_expression(op.in, size, 'b'), read_expression(op.in, size, 'c'), vector_of(op.out, size),
-                             expression_for(op, size), write_expression(op.out, size));
+  snippet.body =
+      fmt::format("{0} x = {1}, y = {2}, z = {3};\n{4} out_value = {4}({5});\n{6}", type, read_expression(op.in, size, 'a'),
+                  read_expression(op.in, size, 'b'), read_expression(op.in, size, 'c'), vector_of(op.out, size),
+                  expression_for(op, size), write_expression(op.out, size));
   const std::vector<Words4> results = evaluate(device, stage, snippet, inputs);
   for (size_t n = 0; n < inputs.size(); ++n) {
     for (size_t i = 0; i < static_cast<size_t>(size); ++i) {
@@ -207,7 +220,8 @@ void run(Device& device, const Operator& op, int size, VkShaderStageFlagBits sta
       }
       const uint32_t want = op.exact(a, b, c), got = results[n][i];
       const bool both_zero = op.out == Type::kFloat && f(want) == 0 && f(got) == 0;  // GLSL leaves the sign of zero open here
-      expect(want == got || both_zero, fmt::format("{} of {:#x}, {:#x}, {:#x} gave {:#x}, not {:#x}", op.name, a, b, c, got, want));
+      expect(want == got || both_zero,
+             fmt::format("{} of {:#x}, {:#x}, {:#x} gave {:#x}, not {:#x}", op.name, a, b, c, got, want));
     }
   }
 }

@@ -10,6 +10,4 @@ void register_pipeline_depth_stencil();
 void register_pipeline_logic_op();
 void register_pipeline_vertex_input();
 
-
-
 }  // namespace pineda::cts

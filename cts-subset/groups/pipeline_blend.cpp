@@ -58,8 +58,12 @@ constexpr Operation kOperations[] = {{VK_BLEND_OP_ADD, "add"},
 constexpr std::array<float, 4> kConstants{0.25f, 0.625f, 0.875f, 0.4375f};
 
 // Colours in multiples of 1/16, so that the shader's floats are exact.
-Colour source_colour(uint32_t x, uint32_t y) { return {x / 16.0, y / 16.0, ((x + y) % 17) / 16.0, ((x * 5 + y * 3) % 17) / 16.0}; }
-Colour second_colour(uint32_t x, uint32_t y) { return {y / 16.0, ((x * 7 + y) % 17) / 16.0, x / 16.0, ((x + 11 * y) % 17) / 16.0}; }
+Colour source_colour(uint32_t x, uint32_t y) {
+  return {x / 16.0, y / 16.0, ((x + y) % 17) / 16.0, ((x * 5 + y * 3) % 17) / 16.0};
+}
+Colour second_colour(uint32_t x, uint32_t y) {
+  return {y / 16.0, ((x * 7 + y) % 17) / 16.0, x / 16.0, ((x + 11 * y) % 17) / 16.0};
+}
 
 Spirv source_shader(bool dual) {
   std::string outputs = "layout(location = 0) out vec4 colour;\n", stores;
@@ -68,8 +72,9 @@ Spirv source_shader(bool dual) {
     stores = "second = vec4(p.y, (p.x * 7u + p.y) % 17u, p.x, (p.x + 11u * p.y) % 17u) / 16.0;";
   }
   return compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
-                      outputs + "void main() { uvec2 p = uvec2(gl_FragCoord.xy);"
-                                "colour = vec4(p.x, p.y, (p.x + p.y) % 17u, (p.x * 5u + p.y * 3u) % 17u) / 16.0;" +
+                      outputs +
+                          "void main() { uvec2 p = uvec2(gl_FragCoord.xy);"
+                          "colour = vec4(p.x, p.y, (p.x + p.y) % 17u, (p.x * 5u + p.y * 3u) % 17u) / 16.0;" +
                           stores + "}");
 }
 
@@ -139,12 +144,19 @@ struct Equation {
 };
 
 VkPipelineColorBlendAttachmentState state_of(const Equation& e) {
-  return {VK_TRUE, e.source.value, e.destination.value, e.operation.value, e.source_alpha.value, e.destination_alpha.value,
-          e.operation_alpha.value, 0xF};
+  return {VK_TRUE,
+          e.source.value,
+          e.destination.value,
+          e.operation.value,
+          e.source_alpha.value,
+          e.destination_alpha.value,
+          e.operation_alpha.value,
+          0xF};
 }
 
 void run(Device& device, const FormatInfo& info, const Equation& equation) {
-  require(device.format(info.format).optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT, "blending to this format");
+  require(device.format(info.format).optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT,
+          "blending to this format");
   const bool dual = equation.source.dual_source || equation.destination.dual_source;
   require(!dual || device.caps().features.dualSrcBlend, "dualSrcBlend");
 
@@ -181,8 +193,8 @@ void run(Device& device, const FormatInfo& info, const Equation& equation) {
     for (size_t c = 0; c < 4; ++c) {
       const Factor& fs = c == 3 ? equation.source_alpha : equation.source;
       const Factor& fd = c == 3 ? equation.destination_alpha : equation.destination;
-      want[c] = blend((c == 3 ? equation.operation_alpha : equation.operation).value, s[c], factor_value(fs.value, c, s, s1, d, constants), d[c],
-                      factor_value(fd.value, c, s, s1, d, constants));
+      want[c] = blend((c == 3 ? equation.operation_alpha : equation.operation).value, s[c],
+                      factor_value(fs.value, c, s, s1, d, constants), d[c], factor_value(fd.value, c, s, s1, d, constants));
     }
     // One step for the conversion, one for computing at no more than the destination's precision.
     expect_colour(info, result.data() + i * info.bytes, want, 2, fmt::format("pixel {}, {}", i % kSize, i / kSize), 2);

@@ -132,7 +132,8 @@ void run_depth(Device& device, const DepthFormat& format, const DepthCase& c) {
     std::memcpy(&word, bytes.data() + i * texel_size, texel_size);
     const double want = (pass_test && c.write && c.test ? new_depth(i) : stored_depth(i)) / 255.0;
     const double step = format.steps ? 1 / format.steps : 0x1p-23;
-    expect(std::abs(depth_in(format, word) - want) <= step, fmt::format("pixel {}: depth {}, not {}", i, depth_in(format, word), want));
+    expect(std::abs(depth_in(format, word) - want) <= step,
+           fmt::format("pixel {}: depth {}, not {}", i, depth_in(format, word), want));
   }
 }
 
@@ -190,9 +191,11 @@ void run_stencil(Device& device, VkFormat format, const StencilCase& c) {
     std::vector<float> depths(kPixels, 0.5f);
     if (format == VK_FORMAT_D24_UNORM_S8_UINT) {
       std::vector<uint32_t> fixed(kPixels, 1u << 23);
-      upload(device, depth, std::as_bytes(std::span(fixed)), 0, 0, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
+      upload(device, depth, std::as_bytes(std::span(fixed)), 0, 0, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_IMAGE_ASPECT_DEPTH_BIT);
     } else {
-      upload(device, depth, std::as_bytes(std::span(depths)), 0, 0, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
+      upload(device, depth, std::as_bytes(std::span(depths)), 0, 0, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_IMAGE_ASPECT_DEPTH_BIT);
     }
   }
   const Buffer staging = create_buffer(device, std::span<const std::byte>(values));
@@ -213,21 +216,25 @@ void run_stencil(Device& device, VkFormat format, const StencilCase& c) {
                               fmt::format("void main() {{ int i = {}; vec2 p = vec2(i & 1, i >> 1) * 4.0 - 1.0;"
                                           "gl_Position = vec4(p, p.x < 2.0 ? 0.25 : 1.25, 1.0); }}",  // depth 0.5 at x = 0
                                           c.back_face ? "2 - gl_VertexIndex" : "gl_VertexIndex"));
-  state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, "layout(location = 0) out vec4 colour; void main() { colour = vec4(1.0); }");
+  state.fragment =
+      compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, "layout(location = 0) out vec4 colour; void main() { colour = vec4(1.0); }");
   state.rasterization.depthClampEnable = device.caps().features.depthClamp;
   state.depth_stencil.depthTestEnable = has_depth;
   state.depth_stencil.depthCompareOp = VK_COMPARE_OP_GREATER;
   state.depth_stencil.stencilTestEnable = VK_TRUE;
-  const VkStencilOpState used{c.fail.value, c.pass.value, c.depth_fail.value, c.compare.value, c.compare_mask, c.write_mask, c.reference};
+  const VkStencilOpState used{c.fail.value,   c.pass.value, c.depth_fail.value, c.compare.value,
+                              c.compare_mask, c.write_mask, c.reference};
   const VkStencilOpState unused{VK_STENCIL_OP_ZERO, VK_STENCIL_OP_ZERO, VK_STENCIL_OP_ZERO, VK_COMPARE_OP_NEVER, 0xFF, 0xFF, 1};
-  // With vertices (-1,-1), (3,-1), (-1,3) and y pointing down, the area is positive in the specification's sense: clockwise is front.
+  // With vertices (-1,-1), (3,-1), (-1,3) and y pointing down, the area is positive in the specification's sense: clockwise is
+  // front.
   state.depth_stencil.front = c.back_face ? unused : used;
   state.depth_stencil.back = c.back_face ? used : unused;
   Pass pass(device, target);
   pass.add(state);
   pass.run();
   const auto colours = download_as<uint32_t>(device, colour, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-  const auto stencils = download_as<uint8_t>(device, depth, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, 0, 0, VK_IMAGE_ASPECT_STENCIL_BIT);
+  const auto stencils =
+      download_as<uint8_t>(device, depth, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, 0, 0, VK_IMAGE_ASPECT_STENCIL_BIT);
   for (uint32_t i = 0; i < kPixels; ++i) {
     const bool stencil_pass = holds(c.compare.value, c.reference & c.compare_mask, i & c.compare_mask);
     const bool depth_pass = !has_depth || i % kSize >= kSize / 2;
@@ -265,7 +272,8 @@ void register_pipeline_depth_stencil() {
     for (size_t o = 0; o < std::size(kStencilOps); ++o) {
       const StencilOp &first = kStencilOps[o], &second = kStencilOps[(o + 3) % 8], &third = kStencilOps[(o + 5) % 8];
       for (const CompareOp& compare : kCompareOps) {
-        add(fmt::format("fail_{}.pass_{}.depth_{}.{}", first.name, second.name, third.name, compare.name), {compare, first, second, third});
+        add(fmt::format("fail_{}.pass_{}.depth_{}.{}", first.name, second.name, third.name, compare.name),
+            {compare, first, second, third});
       }
       add(fmt::format("masks.{}", first.name), {kCompareOps[3], first, second, third, 0x5A, 0x3C, 0x77});
       add(fmt::format("back_face.{}", first.name), {kCompareOps[4], first, second, third, 77, 0xFF, 0xFF, true});

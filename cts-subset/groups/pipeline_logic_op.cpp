@@ -37,9 +37,16 @@ constexpr LogicOp kLogicOps[] = {
     {VK_LOGIC_OP_SET, "set", [](uint32_t, uint32_t) { return ~0u; }},
 };
 
-constexpr VkFormat kFormats[] = {VK_FORMAT_R8_UINT,          VK_FORMAT_R8G8B8A8_UINT,  VK_FORMAT_R16G16_UINT,  VK_FORMAT_R32_UINT,
-                                 VK_FORMAT_R32G32B32A32_UINT, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R16_UNORM,    VK_FORMAT_B8G8R8A8_UNORM,
-                                 VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_A2B10G10R10_UNORM_PACK32};
+constexpr VkFormat kFormats[] = {VK_FORMAT_R8_UINT,
+                                 VK_FORMAT_R8G8B8A8_UINT,
+                                 VK_FORMAT_R16G16_UINT,
+                                 VK_FORMAT_R32_UINT,
+                                 VK_FORMAT_R32G32B32A32_UINT,
+                                 VK_FORMAT_R8G8B8A8_UNORM,
+                                 VK_FORMAT_R16_UNORM,
+                                 VK_FORMAT_B8G8R8A8_UNORM,
+                                 VK_FORMAT_R5G6B5_UNORM_PACK16,
+                                 VK_FORMAT_A2B10G10R10_UNORM_PACK32};
 
 constexpr uint32_t kSize = 16;
 
@@ -68,11 +75,12 @@ void run(Device& device, const FormatInfo& info, const LogicOp& op) {
   const Buffer colours = create_buffer(device, numbers);
   DrawState state;
   state.vertex = fullscreen_vertex();
-  state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
-                                fmt::format("layout(binding = 0, std430) readonly buffer B {{ uvec4 colours[]; }};\n"
-                                            "layout(location = 0) out {} colour;\n"
-                                            "void main() {{ uvec4 c = colours[uint(gl_FragCoord.y) * 16u + uint(gl_FragCoord.x)]; colour = {}; }}",
-                                            info.is_integer() ? "uvec4" : "vec4", info.is_integer() ? "c" : "uintBitsToFloat(c)"));
+  state.fragment = compile_glsl(
+      VK_SHADER_STAGE_FRAGMENT_BIT,
+      fmt::format("layout(binding = 0, std430) readonly buffer B {{ uvec4 colours[]; }};\n"
+                  "layout(location = 0) out {} colour;\n"
+                  "void main() {{ uvec4 c = colours[uint(gl_FragCoord.y) * 16u + uint(gl_FragCoord.x)]; colour = {}; }}",
+                  info.is_integer() ? "uvec4" : "vec4", info.is_integer() ? "c" : "uintBitsToFloat(c)"));
   state.logic_op = op.value;
   state.resources.descriptors.push_back(storage_buffer(0, colours));
   Target target;

@@ -1,4 +1,5 @@
-// pipeline.vertex_input: every vertex format, at both input rates and at odd offsets and strides, against the formats' definition.
+// pipeline.vertex_input: every vertex format, at both input rates and at odd offsets and strides, against the formats'
+// definition.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -41,8 +42,8 @@ void run(Device& device, const FormatInfo& info, const InputCase& c) {
                                  : numeric == Numeric::kSint ? VK_FORMAT_R32G32B32A32_SINT
                                                              : VK_FORMAT_R32G32B32A32_SFLOAT;
   DrawState state;
-  state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
-                              fmt::format(fmt::runtime(kVertexShader), prefix, instanced ? "gl_InstanceIndex" : "gl_VertexIndex / 3"));
+  state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT, fmt::format(fmt::runtime(kVertexShader), prefix,
+                                                                      instanced ? "gl_InstanceIndex" : "gl_VertexIndex / 3"));
   state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
                                 fmt::format("layout(location = 0) flat in {0}vec4 value; layout(location = 0) out {0}vec4 colour;"
                                             "void main() {{ colour = value; }}",
@@ -58,11 +59,13 @@ void run(Device& device, const FormatInfo& info, const InputCase& c) {
     for (uint32_t i = 0; i < 4; ++i) {
       uint32_t word;
       std::memcpy(&word, pixels.data() + (n * 4 + i) * 4, 4);
-      const double got = info.is_integer() ? (numeric == Numeric::kUint ? double{1.0 * word} : double{1.0 * static_cast<int32_t>(word)})
-                                           : double{std::bit_cast<float>(word)};
-      const bool same = std::isnan(want[i]) ? std::isnan(got)
-                                            : got == want[i] || (!info.is_integer() && std::abs(got - want[i]) <= std::abs(want[i]) * 0x1p-22) ||
-                                                  (std::abs(want[i]) < 0x1p-126 && got == 0);
+      const double got = info.is_integer()
+                             ? (numeric == Numeric::kUint ? double{1.0 * word} : double{1.0 * static_cast<int32_t>(word)})
+                             : double{std::bit_cast<float>(word)};
+      const bool same = std::isnan(want[i])
+                            ? std::isnan(got)
+                            : got == want[i] || (!info.is_integer() && std::abs(got - want[i]) <= std::abs(want[i]) * 0x1p-22) ||
+                                  (std::abs(want[i]) < 0x1p-126 && got == 0);
       expect(same, fmt::format("element {}, component {}: {:.9g}, not {:.9g}", n, i, got, want[i]));
     }
   }
@@ -73,11 +76,13 @@ void run(Device& device, const FormatInfo& info, const InputCase& c) {
 void register_pipeline_vertex_input() {
   for (const FormatInfo& info : colour_formats()) {
     const auto add = [&](const char* name, const InputCase& c) {
-      add_case("pipeline.vertex_input", fmt::format("{}.{}", info.name, name), "22.1 Vertex Attributes, 22.3 Vertex Attribute Divisor",
-               [&info, c](Device& device) { run(device, info, c); });
+      add_case("pipeline.vertex_input", fmt::format("{}.{}", info.name, name),
+               "22.1 Vertex Attributes, 22.3 Vertex Attribute Divisor", [&info, c](Device& device) { run(device, info, c); });
     };
     const uint32_t component_bytes = std::max(1u, info.channels.back().bits / 8);
-    const uint32_t unit = info.bytes % component_bytes == 0 && info.channels.front().bits == info.channels.back().bits ? component_bytes : info.bytes;
+    const uint32_t unit = info.bytes % component_bytes == 0 && info.channels.front().bits == info.channels.back().bits
+                              ? component_bytes
+                              : info.bytes;
     add("per_vertex", {});
     add("per_instance", {VK_VERTEX_INPUT_RATE_INSTANCE, 0, 0});
     add("offset", {VK_VERTEX_INPUT_RATE_VERTEX, unit, unit * 2});

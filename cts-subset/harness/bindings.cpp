@@ -14,7 +14,11 @@ Descriptor uniform_buffer(uint32_t binding, const Buffer& buffer, VkDeviceSize o
 }
 
 Descriptor sampled_image(uint32_t binding, const Image& image, VkSampler sampler) {
-  return {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, {}, {{sampler, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}}, {}};
+  return {binding,
+          VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+          {},
+          {{sampler, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}},
+          {}};
 }
 
 Descriptor storage_image(uint32_t binding, const Image& image) {
@@ -30,7 +34,9 @@ void add_specialization(Resources& resources, uint32_t id, uint32_t value) {
 Bindings::Bindings(Device& device, const Resources& resources, VkShaderStageFlags stages) : stages_(stages) {
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   std::map<VkDescriptorType, uint32_t> counts;
-  const auto count_of = [](const Descriptor& d) { return static_cast<uint32_t>(d.buffers.size() + d.images.size() + d.views.size()); };
+  const auto count_of = [](const Descriptor& d) {
+    return static_cast<uint32_t>(d.buffers.size() + d.images.size() + d.views.size());
+  };
   for (const Descriptor& d : resources.descriptors) {
     bindings.push_back({d.binding, d.type, count_of(d), stages, nullptr});
     counts[d.type] += count_of(d);
@@ -39,7 +45,7 @@ Bindings::Bindings(Device& device, const Resources& resources, VkShaderStageFlag
   set_info.bindingCount = static_cast<uint32_t>(bindings.size());
   set_info.pBindings = bindings.data();
   set_layout_ = make<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>(device, vkCreateDescriptorSetLayout, set_info,
-                                                                           "vkCreateDescriptorSetLayout");
+                                                                          "vkCreateDescriptorSetLayout");
   const VkPushConstantRange range{stages, 0, static_cast<uint32_t>(resources.push_constants.size())};
   VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   const VkDescriptorSetLayout set_layout = set_layout_;
@@ -47,7 +53,8 @@ Bindings::Bindings(Device& device, const Resources& resources, VkShaderStageFlag
   layout_info.pSetLayouts = &set_layout;
   layout_info.pushConstantRangeCount = range.size ? 1 : 0;
   layout_info.pPushConstantRanges = &range;
-  layout_ = make<VkPipelineLayout, vkDestroyPipelineLayout>(device, vkCreatePipelineLayout, layout_info, "vkCreatePipelineLayout");
+  layout_ =
+      make<VkPipelineLayout, vkDestroyPipelineLayout>(device, vkCreatePipelineLayout, layout_info, "vkCreatePipelineLayout");
   if (bindings.empty()) return;
 
   std::vector<VkDescriptorPoolSize> sizes;
@@ -90,12 +97,18 @@ void dispatch(Device& device, const Spirv& shader, const Resources& resources, s
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module_info.codeSize = shader.size() * 4;
   module_info.pCode = shader.data();
-  const auto module = make<VkShaderModule, vkDestroyShaderModule>(device, vkCreateShaderModule, module_info, "vkCreateShaderModule");
+  const auto module =
+      make<VkShaderModule, vkDestroyShaderModule>(device, vkCreateShaderModule, module_info, "vkCreateShaderModule");
   const VkSpecializationInfo specialization{static_cast<uint32_t>(resources.specialization_entries.size()),
                                             resources.specialization_entries.data(), resources.specialization_data.size(),
                                             resources.specialization_data.data()};
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module, "main",
+  info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                nullptr,
+                0,
+                VK_SHADER_STAGE_COMPUTE_BIT,
+                module,
+                "main",
                 &specialization};
   info.layout = bindings.layout();
   VkPipeline handle = VK_NULL_HANDLE;

@@ -39,8 +39,9 @@ void expect(bool holds, const std::string& otherwise) {
 }
 
 void add_case(std::string group, std::string name, std::string section, std::function<void(Device&)> run) {
-  testing::RegisterTest(group.c_str(), name.c_str(), nullptr, nullptr, __FILE__, __LINE__,
-                        [section = std::move(section), run = std::move(run)]() -> testing::Test* { return new Case(section, run); });
+  testing::RegisterTest(
+      group.c_str(), name.c_str(), nullptr, nullptr, __FILE__, __LINE__,
+      [section = std::move(section), run = std::move(run)]() -> testing::Test* { return new Case(section, run); });
 }
 
 }  // namespace pineda::cts

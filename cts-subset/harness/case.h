@@ -1,7 +1,9 @@
-// A conformance case: a name, the section of the specification that it checks, and a function that throws unless the driver is right.
+// A conformance case: a name, the section of the specification that it checks, and a function that throws unless the driver is
+// right.
 //
-// Groups are named after the official suite's (pipeline.blend, glsl.operators, ...). All cases come from tables: a group registers
-// one case for each row. Expected values are computed here, from the specification's formulas, never by the driver under test.
+// Groups are named after the official suite's (pipeline.blend, glsl.operators, ...). All cases come from tables: a group
+// registers one case for each row. Expected values are computed here, from the specification's formulas, never by the driver
+// under test.
 #pragma once
 
 #include <functional>
@@ -20,7 +22,7 @@ struct Failure : std::runtime_error {  // the driver is wrong; the text says whe
   using std::runtime_error::runtime_error;
 };
 
-void require(bool supported, std::string_view what);   // throws NotSupported
+void require(bool supported, std::string_view what);    // throws NotSupported
 void expect(bool holds, const std::string& otherwise);  // throws Failure
 
 // `section` names the chapter and section of the Vulkan specification (or of the SPIR-V or GLSL one, said so).

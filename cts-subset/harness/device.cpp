@@ -33,10 +33,10 @@ constexpr FeatureStruct kFeatureStructs[] = {
      member_of<&Capabilities::draw_parameters>},
     {VK_API_VERSION_1_2, VK_KHR_8BIT_STORAGE_EXTENSION_NAME, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES,
      member_of<&Capabilities::storage_8bit>},
-    {VK_API_VERSION_1_2, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES,
-     member_of<&Capabilities::float16_int8>},
-    {VK_API_VERSION_1_2, VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES,
-     member_of<&Capabilities::scalar_layout>},
+    {VK_API_VERSION_1_2, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME,
+     VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, member_of<&Capabilities::float16_int8>},
+    {VK_API_VERSION_1_2, VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME,
+     VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, member_of<&Capabilities::scalar_layout>},
     {0, VK_EXT_LINE_RASTERIZATION_EXTENSION_NAME, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT,
      member_of<&Capabilities::lines>},
     {0, VK_EXT_PROVOKING_VERTEX_EXTENSION_NAME, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_FEATURES_EXT,
@@ -118,7 +118,8 @@ void Device::create_instance() {
   std::vector<const char*> extensions;
   for (const char* name : {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_KHR_SURFACE_EXTENSION_NAME,
                            VK_EXT_HEADLESS_SURFACE_EXTENSION_NAME}) {
-    if (std::ranges::any_of(offered, [&](const auto& e) { return std::string_view(e.extensionName) == name; })) extensions.push_back(name);
+    if (std::ranges::any_of(offered, [&](const auto& e) { return std::string_view(e.extensionName) == name; }))
+      extensions.push_back(name);
   }
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   info.pApplicationInfo = &application;
@@ -144,8 +145,8 @@ void Device::query_capabilities() {
   for (const VkExtensionProperties& extension : extensions) caps_.extensions.insert(extension.extensionName);
 
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, chain_features(caps_)};
-  const auto get_features = reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(
-      vkGetInstanceProcAddr(instance_, "vkGetPhysicalDeviceFeatures2KHR"));
+  const auto get_features =
+      reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(vkGetInstanceProcAddr(instance_, "vkGetPhysicalDeviceFeatures2KHR"));
   if (get_features) get_features(physical_, &features);
   if (caps_.api_version >= VK_API_VERSION_1_1) {
     caps_.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
@@ -156,7 +157,8 @@ void Device::query_capabilities() {
 
 void Device::create_device() {
   const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  const auto family = std::ranges::find_if(caps_.queue_families, [&](const auto& f) { return (f.queueFlags & wanted) == wanted; });
+  const auto family =
+      std::ranges::find_if(caps_.queue_families, [&](const auto& f) { return (f.queueFlags & wanted) == wanted; });
   expect(family != caps_.queue_families.end(), "no queue family has graphics and compute");
   queue_family_ = static_cast<uint32_t>(family - caps_.queue_families.begin());
 

@@ -74,7 +74,7 @@ class Device {
   Capabilities caps_;
 };
 
-Device& shared_device();      // made on first use
+Device& shared_device();  // made on first use
 void discard_shared_device();
 
 }  // namespace pineda::cts

@@ -15,7 +15,8 @@ constexpr uint32_t kMaxInputs = 256;
 std::string shader_text(const Snippet& snippet, const char* interface_lines, const char* index, const char* store) {
   return fmt::format(
       "{}\nlayout(set = 0, binding = 0, std140) uniform Inputs {{ uvec4 inputs[{}]; }};\n{}\n"
-      "void main() {{\n  uint at = {};\n  uvec4 a = inputs[at * 3u], b = inputs[at * 3u + 1u], c = inputs[at * 3u + 2u], r = uvec4(0);\n"
+      "void main() {{\n  uint at = {};\n  uvec4 a = inputs[at * 3u], b = inputs[at * 3u + 1u], c = inputs[at * 3u + 2u], r = "
+      "uvec4(0);\n"
       "  {{\n{}\n  }}\n{}\n}}\n",
       snippet.functions, kMaxInputs * 3, interface_lines, index, snippet.body, store);
 }
@@ -50,7 +51,8 @@ std::vector<Words4> evaluate_graphics(Device& device, VkShaderStageFlagBits stag
     state.vertices = kMaxInputs * 3;
   } else {
     state.vertex = fullscreen_vertex();
-    const std::string text = shader_text(snippet, "layout(location = 0) out uvec4 colour;", "uint(gl_FragCoord.x)", "  colour = r;");
+    const std::string text =
+        shader_text(snippet, "layout(location = 0) out uvec4 colour;", "uint(gl_FragCoord.x)", "  colour = r;");
     state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, text, snippet.spirv_minor);
   }
   const std::vector<std::byte> pixels = draw_once(device, state, {kMaxInputs, 1}, VK_FORMAT_R32G32B32A32_UINT);
@@ -61,7 +63,8 @@ std::vector<Words4> evaluate_graphics(Device& device, VkShaderStageFlagBits stag
 
 }  // namespace
 
-std::vector<Words4> evaluate(Device& device, VkShaderStageFlagBits stage, const Snippet& snippet, const std::vector<Arguments>& inputs) {
+std::vector<Words4> evaluate(Device& device, VkShaderStageFlagBits stage, const Snippet& snippet,
+                             const std::vector<Arguments>& inputs) {
   if (inputs.size() > kMaxInputs) throw std::logic_error("too many inputs");
   const Buffer input = create_buffer(device, kMaxInputs * sizeof(Arguments));
   std::memcpy(input.mapped, inputs.data(), inputs.size() * sizeof(Arguments));

@@ -22,7 +22,8 @@ struct Snippet {
 };
 
 // One result for each of up to 256 inputs. The vertex stage hands its result to the fragment stage as a flat varying.
-std::vector<Words4> evaluate(Device& device, VkShaderStageFlagBits stage, const Snippet& snippet, const std::vector<Arguments>& inputs);
+std::vector<Words4> evaluate(Device& device, VkShaderStageFlagBits stage, const Snippet& snippet,
+                             const std::vector<Arguments>& inputs);
 
 struct StageName {
   VkShaderStageFlagBits stage;

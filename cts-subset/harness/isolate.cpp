@@ -1,7 +1,6 @@
 #include "cts-subset/harness/isolate.h"
 
 #include <fmt/format.h>
-
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -20,6 +19,14 @@ struct Verdict {
   std::string message;
 };
 
+// "pipeline.blend" of "pipeline.blend.R8_UNORM.op_add": the first word, and the second where it is not a case's.
+std::string group_of(const std::string& name) {
+  const size_t first = name.find('.'), second = name.find('.', first + 1);
+  const std::string_view head = std::string_view(name).substr(0, first);
+  const bool two_levels = head == "pipeline" || head == "glsl" || head == "api" || head == "renderpass" || head == "texture";
+  return name.substr(0, two_levels ? second : first);
+}
+
 struct Child {
   pid_t pid = -1;
   int from = -1;  // its reports: a line each: P, N or F, the name, and after a tab the reason
@@ -28,14 +35,20 @@ struct Child {
 Child start(const IsolationOptions& options, const std::string& list_path) {
   int report_pipe[2];
   if (pipe(report_pipe) != 0) return {};
-  std::vector<std::string> arguments{options.program, "--child-list=" + list_path, fmt::format("--child-report={}", report_pipe[1])};
+  std::vector<std::string> arguments{options.program, "--child-list=" + list_path,
+                                     fmt::format("--child-report={}", report_pipe[1])};
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
+  std::fflush(nullptr);  // else the child would print what is buffered, too
   const pid_t pid = fork();
   if (pid == 0) {
     close(report_pipe[0]);
+    if (!options.manifest.empty()) {
+      setenv("VK_DRIVER_FILES", options.manifest.c_str(), 1);
+      setenv("VK_ICD_FILENAMES", options.manifest.c_str(), 1);  // loaders before 1.3.207
+    }
     if (!std::freopen("/dev/null", "w", stdout)) _exit(126);
     execv(options.program.c_str(), argv.data());
     _exit(127);
@@ -72,12 +85,14 @@ class LineReader {
 };
 
 std::string describe_end(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("the process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  if (WIFSIGNALED(status))
+    return fmt::format("the process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
   return fmt::format("the process ended with status {}", WEXITSTATUS(status));
 }
 
 // Runs cases[first..] in one child; gives the index behind the last case that has a verdict.
-size_t run_child(const std::vector<std::string>& cases, size_t first, const IsolationOptions& options, std::vector<Verdict>& verdicts) {
+size_t run_child(const std::vector<std::string>& cases, size_t first, const IsolationOptions& options,
+                 std::vector<Verdict>& verdicts) {
   const std::string list_path = fmt::format("/tmp/pineda_cts_{}.list", getpid());
   {
     std::ofstream list(list_path);
@@ -154,25 +169,20 @@ void write_junit(const std::string& path, const std::vector<Verdict>& verdicts, 
 
 }  // namespace
 
-Totals run_isolated(const std::vector<std::string>& cases, const IsolationOptions& options) {
+Outcome run_isolated(const std::vector<std::string>& cases, const IsolationOptions& options) {
   std::vector<Verdict> verdicts;
   for (size_t next = 0; next < cases.size();) next = run_child(cases, next, options, verdicts);
-  Totals totals;
+  Outcome outcome;
   for (const Verdict& verdict : verdicts) {
-    switch (verdict.kind) {
-      case Verdict::Kind::kPass:
-        ++totals.pass;
-        break;
-      case Verdict::Kind::kNotSupported:
-        ++totals.not_supported;
-        break;
-      case Verdict::Kind::kFail:
-        ++totals.fail;
-        std::printf("FAIL %s: %s\n", verdict.name.c_str(), verdict.message.c_str());
+    for (Totals* totals : {&outcome.all, &outcome.groups[group_of(verdict.name)]}) {
+      totals->pass += verdict.kind == Verdict::Kind::kPass;
+      totals->fail += verdict.kind == Verdict::Kind::kFail;
+      totals->not_supported += verdict.kind == Verdict::Kind::kNotSupported;
     }
+    if (verdict.kind == Verdict::Kind::kFail) std::printf("FAIL %s: %s\n", verdict.name.c_str(), verdict.message.c_str());
   }
-  if (!options.junit_path.empty()) write_junit(options.junit_path, verdicts, totals);
-  return totals;
+  if (!options.junit_path.empty()) write_junit(options.junit_path, verdicts, outcome.all);
+  return outcome;
 }
 
 }  // namespace pineda::cts

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,15 +12,21 @@ struct IsolationOptions {
   std::string program;                 // this binary
   std::vector<std::string> arguments;  // for the children, besides the filter
   std::chrono::seconds case_timeout{60};
-  std::string junit_path;              // empty: none
+  std::string manifest;    // the driver that the loader is pointed at; empty: as the environment says
+  std::string junit_path;  // empty: none
 };
 
 struct Totals {
   int pass = 0, fail = 0, not_supported = 0;
 };
 
-// Runs the given cases ("group.case") in order and prints a line for each that fails. A child that dies or does not answer fails the case that
-// it was at, and another child goes on behind it.
-Totals run_isolated(const std::vector<std::string>& cases, const IsolationOptions& options);
+struct Outcome {
+  Totals all;
+  std::map<std::string, Totals> groups;  // by the part of the name before the first dot of the case
+};
+
+// Runs the given cases ("group.case") in order and prints a line for each that fails. A child that dies or does not answer fails
+// the case that it was at, and another child goes on behind it.
+Outcome run_isolated(const std::vector<std::string>& cases, const IsolationOptions& options);
 
 }  // namespace pineda::cts

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-
 #include "cts-subset/harness/pipelines.h"
 
 namespace pineda::cts {
@@ -19,7 +18,8 @@ VkAttachmentDescription describe(const Image& image, VkAttachmentLoadOp load, Vk
   description.samples = image.desc.samples;
   description.loadOp = description.stencilLoadOp = load;
   description.storeOp = description.stencilStoreOp = VK_ATTACHMENT_STORE_OP_STORE;
-  description.initialLayout = load == VK_ATTACHMENT_LOAD_OP_LOAD ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  description.initialLayout =
+      load == VK_ATTACHMENT_LOAD_OP_LOAD ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
   description.finalLayout = while_drawn == VK_IMAGE_LAYOUT_UNDEFINED ? while_drawn : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
   return description;
 }
@@ -36,7 +36,9 @@ DrawState::DrawState() {
 }
 
 Pass::Pass(Device& device, const Target& target) : device_(device), target_(target) {
-  const Image* any = !target.colours.empty() ? target.colours[0].image : target.depth_stencil ? target.depth_stencil->image : nullptr;
+  const Image* any = !target.colours.empty() ? target.colours[0].image
+                     : target.depth_stencil  ? target.depth_stencil->image
+                                             : nullptr;
   if (!any) throw std::logic_error("a pass without attachments");
   extent_ = {any->desc.extent.width, any->desc.extent.height};
   create_render_pass();
@@ -66,8 +68,13 @@ void Pass::create_render_pass() {
   subpass.pColorAttachments = colours.data();
   subpass.pResolveAttachments = resolves.empty() ? nullptr : resolves.data();
   subpass.pDepthStencilAttachment = target_.depth_stencil ? &depth_stencil : nullptr;
-  const VkSubpassDependency after{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                                  VK_ACCESS_MEMORY_WRITE_BIT, VK_ACCESS_MEMORY_READ_BIT, 0};
+  const VkSubpassDependency after{0,
+                                  VK_SUBPASS_EXTERNAL,
+                                  VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                                  VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                                  VK_ACCESS_MEMORY_WRITE_BIT,
+                                  VK_ACCESS_MEMORY_READ_BIT,
+                                  0};
   VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
   info.attachmentCount = static_cast<uint32_t>(attachments.size());
   info.pAttachments = attachments.data();
@@ -102,7 +109,8 @@ Pipeline Pass::create_pipeline(const DrawState& state, VkPipelineLayout layout) 
                                             resources.specialization_entries.data(), resources.specialization_data.size(),
                                             resources.specialization_data.data()};
   const std::array<VkPipelineShaderStageCreateInfo, 2> stages{
-      {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", &specialization},
+      {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main",
+        &specialization},
        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main",
         &specialization}}};
   VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -195,7 +203,8 @@ void Pass::run(const std::function<void(VkCommandBuffer, const std::function<voi
   });
 }
 
-std::vector<std::byte> draw_once(Device& device, const DrawState& state, VkExtent2D extent, VkFormat format, VkClearColorValue clear) {
+std::vector<std::byte> draw_once(Device& device, const DrawState& state, VkExtent2D extent, VkFormat format,
+                                 VkClearColorValue clear) {
   ImageDesc desc;
   desc.format = format;
   desc.extent = {extent.width, extent.height, 1};
@@ -210,8 +219,10 @@ std::vector<std::byte> draw_once(Device& device, const DrawState& state, VkExten
 }
 
 Spirv fullscreen_vertex(float z) {
-  return compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
-                      fmt::format("void main() {{ gl_Position = vec4(vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0, {:.9f}, 1.0); }}", z));
+  return compile_glsl(
+      VK_SHADER_STAGE_VERTEX_BIT,
+      fmt::format("void main() {{ gl_Position = vec4(vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0, {:.9f}, 1.0); }}",
+                  z));
 }
 
 }  // namespace pineda::cts

@@ -97,8 +97,8 @@ struct Attachment {
   VkClearValue clear{};
 };
 
-// Colour attachments, at most one depth-stencil one, at most one resolve per colour attachment. Every image ends as TRANSFER_SRC_OPTIMAL;
-// those that are loaded start so, too.
+// Colour attachments, at most one depth-stencil one, at most one resolve per colour attachment. Every image ends as
+// TRANSFER_SRC_OPTIMAL; those that are loaded start so, too.
 struct Target {
   std::vector<Attachment> colours;
   std::optional<Attachment> depth_stencil;

@@ -41,7 +41,8 @@ VkDeviceSize level_bytes(const Image& image, uint32_t level, VkImageAspectFlags 
 }  // namespace
 
 VkExtent3D Image::level_extent(uint32_t level) const {
-  return {std::max(1u, desc.extent.width >> level), std::max(1u, desc.extent.height >> level), std::max(1u, desc.extent.depth >> level)};
+  return {std::max(1u, desc.extent.width >> level), std::max(1u, desc.extent.height >> level),
+          std::max(1u, desc.extent.depth >> level)};
 }
 
 VkImageAspectFlags aspects_of(VkFormat format) {
@@ -89,8 +90,8 @@ Buffer create_buffer(Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags
   vkGetBufferMemoryRequirements(device.handle(), buffer.handle, &requirements);
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = requirements.size;
-  allocate.memoryTypeIndex = device.memory_type(requirements.memoryTypeBits,
-                                                VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  allocate.memoryTypeIndex =
+      device.memory_type(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
   buffer.memory = make<VkDeviceMemory, vkFreeMemory>(device, vkAllocateMemory, allocate, "vkAllocateMemory");
   check(vkBindBufferMemory(device.handle(), buffer.handle, buffer.memory, 0), "vkBindBufferMemory");
   void* mapped = nullptr;
@@ -166,8 +167,8 @@ void full_barrier(VkCommandBuffer commands) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
   barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT | VK_ACCESS_HOST_READ_BIT;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0,
-                       1, &barrier, 0, nullptr, 0, nullptr);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                       VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
 void transition(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to) {
@@ -179,8 +180,8 @@ void transition(VkCommandBuffer commands, const Image& image, VkImageLayout from
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image.handle;
   barrier.subresourceRange = {aspects_of(image.desc.format), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1,
-                       &barrier);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0,
+                       nullptr, 1, &barrier);
 }
 
 }  // namespace pineda::cts

@@ -98,8 +98,8 @@ uint32_t texel_bytes(VkFormat format);  // of an uncompressed colour, depth or s
 
 // Throws NotSupported when vkGetPhysicalDeviceImageFormatProperties refuses the combination.
 Image create_image(Device& device, const ImageDesc& desc);
-// One level of one layer and one aspect, tightly packed. Level 0 of layer 0 comes first and discards what was there; the image ends in
-// `layout`.
+// One level of one layer and one aspect, tightly packed. Level 0 of layer 0 comes first and discards what was there; the image
+// ends in `layout`.
 void upload(Device& device, const Image& image, std::span<const std::byte> texels, uint32_t level = 0, uint32_t layer = 0,
             VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VkImageAspectFlags aspect = 0);
 // From `layout`, which it leaves as TRANSFER_SRC_OPTIMAL; one aspect, tightly packed.

@@ -2,9 +2,9 @@
 
 #include <glslang/Include/glslang_c_interface.h>
 #include <glslang/Public/resource_limits_c.h>
-#include <spirv-tools/libspirv.hpp>
 
 #include <memory>
+#include <spirv-tools/libspirv.hpp>
 #include <stdexcept>
 
 namespace pineda::cts {

@@ -46,10 +46,10 @@ inline double clamp_to(const Channel& channel, double value) {
   }
 }
 
-// Throws Failure unless each channel that the format has is within `steps` of the exact colour (of floats: at the magnitude of the terms that
-// were added, when that is larger than the result's).
-inline void expect_colour(const FormatInfo& info, const std::byte* texel, const Colour& exact, double steps, const std::string& where,
-                          double terms = 0) {
+// Throws Failure unless each channel that the format has is within `steps` of the exact colour (of floats: at the magnitude of
+// the terms that were added, when that is larger than the result's).
+inline void expect_colour(const FormatInfo& info, const std::byte* texel, const Colour& exact, double steps,
+                          const std::string& where, double terms = 0) {
   const Colour got = decode(info, texel);
   for (size_t i = 0; i < 4; ++i) {
     const Channel* channel = info.channel("rgba"[i]);

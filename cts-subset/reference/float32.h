@@ -20,12 +20,12 @@ inline double ulp32(double exact) {
 }
 
 struct Tolerance {
-  double ulp = 1;       // "correctly rounded" leaves the rounding mode open: less than one
+  double ulp = 1;  // "correctly rounded" leaves the rounding mode open: less than one
   double absolute = 0;
 };
 
-// Whether `got` is an answer that the tolerance allows. Results below the normal range may be flushed to zero of either sign; beyond the
-// largest float, infinity and the largest float are both allowed; a NaN must be NaN.
+// Whether `got` is an answer that the tolerance allows. Results below the normal range may be flushed to zero of either sign;
+// beyond the largest float, infinity and the largest float are both allowed; a NaN must be NaN.
 inline bool near_enough(float got, double exact, const Tolerance& tolerance) {
   if (std::isnan(exact)) return std::isnan(got);
   if (std::isnan(got)) return false;

@@ -125,7 +125,8 @@ FormatInfo array_format(VkFormat format, const char* name, std::string_view orde
 }
 
 // `order` names the channels from the most significant bit on, as the format's name does.
-FormatInfo packed_format(VkFormat format, const char* name, std::string_view order, std::initializer_list<uint32_t> widths, Numeric numeric) {
+FormatInfo packed_format(VkFormat format, const char* name, std::string_view order, std::initializer_list<uint32_t> widths,
+                         Numeric numeric) {
   uint32_t total = 0;
   for (const uint32_t width : widths) total += width;
   FormatInfo info{format, name, total / 8, {}};
@@ -142,66 +143,64 @@ FormatInfo packed_format(VkFormat format, const char* name, std::string_view ord
 std::vector<FormatInfo> make_table() {
   using N = Numeric;
   std::vector<FormatInfo> table;
-#define ARRAY8(R, order)                                                                           \
-  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 8, N::kUnorm));          \
-  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 8, N::kSnorm));          \
-  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 8, N::kUscaled));    \
-  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 8, N::kSscaled));    \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 8, N::kUint));             \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 8, N::kSint));             \
+#define ARRAY8(R, order)                                                                        \
+  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 8, N::kUnorm));       \
+  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 8, N::kSnorm));       \
+  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 8, N::kUscaled)); \
+  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 8, N::kSscaled)); \
+  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 8, N::kUint));          \
+  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 8, N::kSint));          \
   table.push_back(array_format(VK_FORMAT_##R##_SRGB, #R "_SRGB", order, 8, N::kSrgb));
-#define ARRAY16(R, order)                                                                          \
-  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 16, N::kUnorm));         \
-  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 16, N::kSnorm));         \
-  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 16, N::kUscaled));   \
-  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 16, N::kSscaled));   \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 16, N::kUint));            \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 16, N::kSint));            \
+#define ARRAY16(R, order)                                                                        \
+  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 16, N::kUnorm));       \
+  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 16, N::kSnorm));       \
+  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 16, N::kUscaled)); \
+  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 16, N::kSscaled)); \
+  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 16, N::kUint));          \
+  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 16, N::kSint));          \
   table.push_back(array_format(VK_FORMAT_##R##_SFLOAT, #R "_SFLOAT", order, 16, N::kSfloat));
-#define ARRAY32(R, order)                                                                          \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 32, N::kUint));            \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 32, N::kSint));            \
+#define ARRAY32(R, order)                                                               \
+  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 32, N::kUint)); \
+  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 32, N::kSint)); \
   table.push_back(array_format(VK_FORMAT_##R##_SFLOAT, #R "_SFLOAT", order, 32, N::kSfloat));
 #define PACKED(F, order, numeric, ...) table.push_back(packed_format(VK_FORMAT_##F, #F, order, {__VA_ARGS__}, numeric));
-  ARRAY8(R8, "r") ARRAY8(R8G8, "rg") ARRAY8(R8G8B8, "rgb") ARRAY8(B8G8R8, "bgr") ARRAY8(R8G8B8A8, "rgba") ARRAY8(B8G8R8A8, "bgra")
-  ARRAY16(R16, "r") ARRAY16(R16G16, "rg") ARRAY16(R16G16B16, "rgb") ARRAY16(R16G16B16A16, "rgba")
-  ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba")
-  PACKED(R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4)
-  PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4)
-  PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4)
-  PACKED(A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4)
-  PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4)
-  PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5)
-  PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5)
-  PACKED(R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1)
-  PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1)
-  PACKED(A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5)
-  PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_SNORM_PACK32, "abgr", N::kSnorm, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_USCALED_PACK32, "abgr", N::kUscaled, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_SSCALED_PACK32, "abgr", N::kSscaled, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_UINT_PACK32, "abgr", N::kUint, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_SINT_PACK32, "abgr", N::kSint, 8, 8, 8, 8)
-  PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8, 8)
-  PACKED(A2R10G10B10_UNORM_PACK32, "argb", N::kUnorm, 2, 10, 10, 10)
-  PACKED(A2R10G10B10_SNORM_PACK32, "argb", N::kSnorm, 2, 10, 10, 10)
-  PACKED(A2R10G10B10_USCALED_PACK32, "argb", N::kUscaled, 2, 10, 10, 10)
-  PACKED(A2R10G10B10_SSCALED_PACK32, "argb", N::kSscaled, 2, 10, 10, 10)
-  PACKED(A2R10G10B10_UINT_PACK32, "argb", N::kUint, 2, 10, 10, 10)
-  PACKED(A2R10G10B10_SINT_PACK32, "argb", N::kSint, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_UNORM_PACK32, "abgr", N::kUnorm, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_SNORM_PACK32, "abgr", N::kSnorm, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_USCALED_PACK32, "abgr", N::kUscaled, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_SSCALED_PACK32, "abgr", N::kSscaled, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_UINT_PACK32, "abgr", N::kUint, 2, 10, 10, 10)
-  PACKED(A2B10G10R10_SINT_PACK32, "abgr", N::kSint, 2, 10, 10, 10)
-  PACKED(B10G11R11_UFLOAT_PACK32, "bgr", N::kUfloat, 10, 11, 11)
-  PACKED(E5B9G9R9_UFLOAT_PACK32, "ebgr", N::kUfloat, 5, 9, 9, 9)
+  ARRAY8(R8, "r")
+  ARRAY8(R8G8, "rg") ARRAY8(R8G8B8, "rgb") ARRAY8(B8G8R8, "bgr") ARRAY8(R8G8B8A8, "rgba") ARRAY8(B8G8R8A8, "bgra") ARRAY16(
+      R16, "r") ARRAY16(R16G16, "rg") ARRAY16(R16G16B16, "rgb") ARRAY16(R16G16B16A16, "rgba") ARRAY32(R32, "r")
+      ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba") PACKED(
+          R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4)
+          PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4) PACKED(
+              A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4) PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4)
+              PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5) PACKED(
+                  B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5) PACKED(R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1)
+                  PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1) PACKED(A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm,
+                                                                                      1, 5, 5, 5)
+                      PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8, 8,
+                             8) PACKED(A8B8G8R8_SNORM_PACK32, "abgr", N::kSnorm, 8, 8, 8, 8)
+                          PACKED(A8B8G8R8_USCALED_PACK32, "abgr", N::kUscaled, 8, 8, 8,
+                                 8) PACKED(A8B8G8R8_SSCALED_PACK32, "abgr", N::kSscaled, 8, 8, 8, 8)
+                              PACKED(A8B8G8R8_UINT_PACK32, "abgr", N::kUint, 8, 8, 8,
+                                     8) PACKED(A8B8G8R8_SINT_PACK32, "abgr", N::kSint, 8, 8, 8, 8)
+                                  PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8,
+                                         8) PACKED(A2R10G10B10_UNORM_PACK32, "argb", N::kUnorm, 2, 10, 10,
+                                                   10) PACKED(A2R10G10B10_SNORM_PACK32, "argb", N::kSnorm, 2, 10, 10, 10)
+                                      PACKED(A2R10G10B10_USCALED_PACK32, "argb", N::kUscaled, 2, 10, 10,
+                                             10) PACKED(A2R10G10B10_SSCALED_PACK32, "argb", N::kSscaled, 2, 10, 10,
+                                                        10) PACKED(A2R10G10B10_UINT_PACK32, "argb", N::kUint, 2, 10, 10, 10)
+                                          PACKED(A2R10G10B10_SINT_PACK32, "argb", N::kSint, 2, 10, 10,
+                                                 10) PACKED(A2B10G10R10_UNORM_PACK32, "abgr", N::kUnorm, 2, 10, 10, 10)
+                                              PACKED(A2B10G10R10_SNORM_PACK32, "abgr", N::kSnorm, 2, 10, 10, 10)
+                                                  PACKED(A2B10G10R10_USCALED_PACK32, "abgr", N::kUscaled, 2, 10, 10, 10)
+                                                      PACKED(A2B10G10R10_SSCALED_PACK32, "abgr", N::kSscaled, 2, 10, 10, 10)
+                                                          PACKED(A2B10G10R10_UINT_PACK32, "abgr", N::kUint, 2, 10, 10, 10) PACKED(
+                                                              A2B10G10R10_SINT_PACK32, "abgr", N::kSint, 2, 10, 10, 10)
+                                                              PACKED(B10G11R11_UFLOAT_PACK32, "bgr", N::kUfloat, 10, 11, 11)
+                                                                  PACKED(E5B9G9R9_UFLOAT_PACK32, "ebgr", N::kUfloat, 5, 9, 9, 9)
 #undef ARRAY8
 #undef ARRAY16
 #undef ARRAY32
 #undef PACKED
-  return table;
+                                                                      return table;
 }
 
 constexpr std::string_view kColourNames = "rgba";
@@ -232,7 +231,8 @@ const FormatInfo& info_of(VkFormat format) {
 
 Colour decode(const FormatInfo& info, const std::byte* texel) {
   Colour colour{0, 0, 0, 1};
-  if (info.format == VK_FORMAT_E5B9G9R9_UFLOAT_PACK32) {  // "Conversion from RGB to Shared Exponent" read backwards: N = 9, B = 15
+  if (info.format ==
+      VK_FORMAT_E5B9G9R9_UFLOAT_PACK32) {  // "Conversion from RGB to Shared Exponent" read backwards: N = 9, B = 15
     const double scale = std::exp2(static_cast<int>(read_bits(texel, 27, 5)) - 15 - 9);
     for (uint32_t i = 0; i < 3; ++i) colour[i] = read_bits(texel, i * 9, 9) * scale;
     return colour;
@@ -263,9 +263,7 @@ void encode(const FormatInfo& info, const Colour& colour, std::byte* texel) {
   }
 }
 
-double srgb_to_linear(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
+double srgb_to_linear(double encoded) { return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4); }
 
 double linear_to_srgb(double linear) {
   if (!(linear > 0)) return 0;

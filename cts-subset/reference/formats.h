@@ -38,8 +38,8 @@ const FormatInfo& info_of(VkFormat format);
 using Colour = std::array<double, 4>;  // r, g, b, a; what a format lacks is 0, 0, 0, 1
 
 Colour decode(const FormatInfo& info, const std::byte* texel);
-// The two values that a channel may hold for `value` (below and above it, equal when it is exact), as decoded numbers: conversions to
-// fixed point should round to nearest, but the specification demands only less than one step.
+// The two values that a channel may hold for `value` (below and above it, equal when it is exact), as decoded numbers:
+// conversions to fixed point should round to nearest, but the specification demands only less than one step.
 struct Bracket {
   double low, high, nearest;
 };
