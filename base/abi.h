@@ -89,18 +89,53 @@ struct ImageDescriptor {
   uint32_t width, height, depth;  // of the view's first level, texels
   uint32_t level_count, layer_count;
   uint32_t layer_pitch_bytes;
-  uint32_t reserved[3];
+  uint32_t state_id;  // of the view's half of compiler::TextureState, for SampleCall; 0: never written, or null
+  uint32_t reserved[2];
   MipLevel levels[kMaxMipLevels + 1];  // relative to the view's base level
   // sampler words; unused for storage images
   float lod_bias, min_lod, max_lod, max_anisotropy;
   float border[4];
+  uint32_t sampler_state_id;
+  uint32_t sampler_reserved[3];
 };
-static_assert(offsetof(ImageDescriptor, levels) == 48 && sizeof(ImageDescriptor) == 48 + 16 * 8 + 32);
+static_assert(offsetof(ImageDescriptor, levels) == 48 && sizeof(ImageDescriptor) == 48 + 16 * 8 + 48);
 
 // A separate sampler, laid out like the tail of ImageDescriptor.
 struct SamplerDescriptor {
   float lod_bias, min_lod, max_lod, max_anisotropy;
   float border[4];
+  uint32_t state_id;  // of the sampler's half of compiler::TextureState; 0: never written, or null
+  uint32_t reserved[3];
+};
+static_assert(offsetof(ImageDescriptor, sampler_state_id) - offsetof(ImageDescriptor, lod_bias) ==
+              offsetof(SamplerDescriptor, state_id));
+
+// ---- sampling of what is not known when the kernel is compiled --------------------------------------------------------------
+// A kernel that was not specialised for its textures fills in the record of its thread and calls DrawContext::sample on it
+// (ir::Op::kCall). That finds the function for the state of each lane's descriptors, compiles it if it is the first to ask
+// (compiler/sample_functions.h), and calls it on the same record: the function is a kernel too, and the record is its wave.
+
+enum SampleRow : uint32_t {  // rows of SampleCall::argument
+  kRowCoord = 0,             // u, v, w and layer; I32 for fetches
+  kRowLod = 4,               // bias, explicit LOD (F32) or level (I32)
+  kRowDdx = 5,
+  kRowDdy = 8,
+  kRowReference = 11,
+  kRowOffset = 12,  // I32, texels
+  kRowMinLod = 15,
+  kRowSample = 16,  // I32
+  kSampleRows = 17
+};
+
+struct SampleCall {
+  uint32_t mask;  // active lanes; other lanes' arguments are unspecified, their results stay as they were
+  uint32_t reserved;
+  uint64_t signature;                              // which operation (kernels::SampleSignature)
+  uint64_t image, sampler;                         // ImageDescriptor and sampler words of this call, set by whoever splits it
+  alignas(64) uint64_t image_of_lane[kLanes];      // as the caller asks
+  alignas(64) uint64_t sampler_of_lane[kLanes];
+  alignas(64) uint32_t argument[kSampleRows][kLanes];
+  alignas(64) uint32_t result[4][kLanes];
 };
 
 // ---- the draw-rate block --------------------------------------------------------------------------------------------------
@@ -136,6 +171,7 @@ struct DrawContext {
   uint32_t address_range_count, reserved;
   const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;
+  const KernelHandle* sample;  // samples by descriptor: wave records are SampleCalls
 };
 static_assert(sizeof(DrawContext) % 8 == 0);
 
@@ -147,6 +183,7 @@ struct ThreadContext {
   uint8_t* stencil;
   uint64_t samples_passed;  // occlusion counter
   uint64_t reserved;
+  SampleCall sample_call;  // scratch
 };
 
 // ---- vertex kernels -------------------------------------------------------------------------------------------------------

@@ -21,6 +21,8 @@ constexpr FlagRow kFlags[] = {
     {"asm", kDebugAsm, "print each kernel's machine code"},
     {"time", kDebugTime, "print how long each kernel took to compile"},
     {"perf", kDebugPerf, "name kernels for perf, in /tmp/perf-PID.map"},
+    {"general", kDebugGeneral, "never specialise pipelines for the textures that are bound (same bits)"},
+    {"specialize", kDebugSpecialize, "specialise pipelines for their textures before the first draw (same bits)"},
     {"api", kDebugApi, "print messages of level info too"},
     {"stats", kDebugStats, "print statistics of each render pass"},
     {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},

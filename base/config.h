@@ -20,6 +20,8 @@ enum DebugFlag : uint32_t {
   kDebugNoOpaque = 1u << 7,  // opaque covers drop nothing
   kDebugTime = 1u << 8,      // compile times
   kDebugPerf = 1u << 9,      // names of kernels for perf
+  kDebugGeneral = 1u << 10,  // pipelines are never specialised for what is bound (same bits)
+  kDebugSpecialize = 1u << 11,  // pipelines are specialised before their first draw
 };
 
 struct Config {

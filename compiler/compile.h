@@ -93,6 +93,8 @@ struct TextureState {
   std::array<VkSamplerAddressMode, 3> address{};
   VkBorderColor border = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK;  // value in the descriptor; here for int/float
   bool unnormalized = false;
+  bool anisotropy = false;  // more than one probe; how many at most is in the descriptor
+  VkSamplerReductionMode reduction = VK_SAMPLER_REDUCTION_MODE_WEIGHTED_AVERAGE;
   bool compare_enable = false;
   VkCompareOp compare = VK_COMPARE_OP_NEVER;
   bool operator==(const TextureState&) const = default;

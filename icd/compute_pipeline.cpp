@@ -32,8 +32,8 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
   if (!textures_.add(*module_, layout)) return kShaderRejected;
   name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
   if (name_.empty()) name_ = "compute";
-  if (samples()) return VK_SUCCESS;
-  return compile({})->kernels ? VK_SUCCESS : kShaderRejected;
+  general_ = compile({});
+  return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
 uint32_t ComputePipeline::invocations() const {
@@ -41,21 +41,20 @@ uint32_t ComputePipeline::invocations() const {
   return size[0] * size[1] * size[2];
 }
 
-const ComputePipeline::Cache::Entry* ComputePipeline::compile(std::span<const TextureIds> key) const {
-  const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
-  auto compiled = compiler::compile_compute({.module = module_.get(), .layout = layout_.get(), .textures = uses, .name = name_});
-  if (!compiled) {
-    report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
-    return variants_.add(key, nullptr);
-  }
-  return variants_.add(key, std::make_unique<const compiler::ComputeKernel>(std::move(*compiled)));
+// Null (reported) when it fails.
+std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::span<const compiler::TextureUse> textures) const {
+  const ScopedFloatEnvironment environment;  // constant folding
+  auto compiled =
+      compiler::compile_compute({.module = module_.get(), .layout = layout_.get(), .textures = textures, .name = name_});
+  if (compiled) return std::make_unique<const compiler::ComputeKernel>(std::move(*compiled));
+  report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
+  return nullptr;
 }
 
 const compiler::ComputeKernel* ComputePipeline::kernel(const DescriptorSet* const* sets) const {
-  textures_.key(sets, key_);
-  const Cache::Entry* entry = variants_.find(key_);
-  if (!entry) entry = compile(key_);
-  return entry->kernels.get();
+  if (!samples()) return general_.get();
+  const auto* variant = variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures); });
+  return variant ? variant : general_.get();
 }
 
 VkResult api::CreateComputePipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkComputePipelineCreateInfo* infos,

@@ -1,6 +1,7 @@
 // VkPipeline for dispatches.
 #pragma once
 
+#include "icd/device.h"
 #include "icd/pipeline.h"
 
 namespace pineda::icd {
@@ -8,6 +9,7 @@ namespace pineda::icd {
 class ComputePipeline : public Pipeline {
  public:
   ComputePipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_COMPUTE) {}
+  ~ComputePipeline() override { device.background.cancel(this); }
   VkResult init(const VkComputePipelineCreateInfo& info);
 
   bool samples() const { return !textures_.empty(); }
@@ -17,15 +19,14 @@ class ComputePipeline : public Pipeline {
   const compiler::ComputeKernel* kernel(const DescriptorSet* const* sets) const;
 
  private:
-  using Cache = Variants<compiler::ComputeKernel>;
-  const Cache::Entry* compile(std::span<const TextureIds> key) const;
+  std::unique_ptr<const compiler::ComputeKernel> compile(std::span<const compiler::TextureUse> textures) const;
 
   std::shared_ptr<const compiler::PipelineLayout> layout_;
   spirv::ModulePtr module_;
   PipelineTextures textures_;
   std::string name_;
-  mutable Cache variants_;
-  mutable std::vector<TextureIds> key_;  // scratch
+  std::unique_ptr<const compiler::ComputeKernel> general_;
+  mutable Variants<compiler::ComputeKernel> variants_;
 };
 
 }  // namespace pineda::icd

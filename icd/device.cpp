@@ -13,6 +13,7 @@ namespace pineda::icd {
 Device::Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gates)
     : Object(from),
       physical(owner),
+      sample_functions([this](uint32_t view, uint32_t sampler) { return texture_states.combine(view, sampler); }),
       pool(render_threads()),
       queues{Queue(*this), Queue(*this), Queue(*this)},
       scheduler(*this),

@@ -11,6 +11,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "compiler/sample_functions.h"
+#include "icd/background.h"
 #include "icd/dispatch.h"
 #include "icd/notifier.h"
 #include "icd/object.h"
@@ -28,6 +30,8 @@ class Device : public Dispatchable, public Object {
   PhysicalDevice& physical;
   Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
+  compiler::SampleFunctions sample_functions;
+  Background background;
   raster::ThreadPool pool;  // used by whoever holds the scheduler's baton
 
   std::array<Queue, kQueueFamilyCount> queues;

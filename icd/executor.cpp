@@ -17,6 +17,7 @@ void Executor::reset_state() {
   graphics_ = {};
   std::ranges::fill(graphics_.context.sets, unbound_set_memory());
   set_srgb_tables(graphics_.context);
+  graphics_.context.sample = device_.sample_functions.handle();
   compute_ = graphics_;
   pipeline_ = nullptr;
   compute_pipeline_ = nullptr;

@@ -21,31 +21,30 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
     if (!module_name.empty()) name_ += (name_.empty() ? "" : "+") + module_name;
   }
   if (name_.empty()) name_ = "graphics";
-  if (!state_.rasterizes || samples()) return VK_SUCCESS;
-  return compile({})->kernels ? VK_SUCCESS : kShaderRejected;
+  if (!state_.rasterizes) return VK_SUCCESS;
+  general_ = compile({});
+  return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
-const GraphicsPipeline::Cache::Entry* GraphicsPipeline::compile(std::span<const TextureIds> key) const {
-  const std::vector<compiler::TextureUse> uses = textures_.uses(key, device.texture_states);
+// Null (reported) when it fails.
+std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::span<const compiler::TextureUse> textures) const {
+  const ScopedFloatEnvironment environment;  // constant folding
   auto compiled = compiler::compile_graphics({.vertex = vertex_.get(),
                                               .fragment = fragment_.get(),
                                               .layout = layout_.get(),
                                               .vertex_input = state_.vertex_input,
                                               .state = state_.fragment,
-                                              .textures = uses,
+                                              .textures = textures,
                                               .name = name_});
-  if (!compiled) {
-    report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
-    return variants_.add(key, nullptr);
-  }
-  return variants_.add(key, std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled)));
+  if (compiled) return std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled));
+  report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
+  return nullptr;
 }
 
 const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {
-  textures_.key(sets, key_);
-  const Cache::Entry* entry = variants_.find(key_);
-  if (!entry) entry = compile(key_);
-  return entry->kernels.get();
+  if (!samples()) return general_.get();
+  const auto* variant = variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures); });
+  return variant ? variant : general_.get();
 }
 
 VkResult api::CreateGraphicsPipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkGraphicsPipelineCreateInfo* infos,

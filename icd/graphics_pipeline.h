@@ -1,6 +1,7 @@
 // VkPipeline for drawing.
 #pragma once
 
+#include "icd/device.h"
 #include "icd/graphics_state.h"
 #include "icd/pipeline.h"
 
@@ -9,27 +10,26 @@ namespace pineda::icd {
 class GraphicsPipeline : public Pipeline {
  public:
   GraphicsPipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_GRAPHICS) {}
-  // Parses the stages and, when nothing is sampled, compiles.
+  ~GraphicsPipeline() override { device.background.cancel(this); }
+  // Parses the stages and compiles.
   VkResult init(const VkGraphicsPipelineCreateInfo& info);
 
   const GraphicsState& state() const { return state_; }
   bool samples() const { return !textures_.empty(); }
 
-  // Kernels for what the sets hold; compiled now if this combination is new. Null (reported) when that fails. Only for the thread
-  // that executes for the queue.
+  // Kernels for what the sets hold. Only for the thread that executes for the queue.
   const compiler::GraphicsKernels* kernels(const DescriptorSet* const* sets) const;
 
  private:
-  using Cache = Variants<compiler::GraphicsKernels>;
-  const Cache::Entry* compile(std::span<const TextureIds> key) const;
+  std::unique_ptr<const compiler::GraphicsKernels> compile(std::span<const compiler::TextureUse> textures) const;
 
   GraphicsState state_;
   std::shared_ptr<const compiler::PipelineLayout> layout_;
   spirv::ModulePtr vertex_, fragment_;  // fragment_ is null without a fragment stage
   PipelineTextures textures_;
   std::string name_;
-  mutable Cache variants_;
-  mutable std::vector<TextureIds> key_;  // scratch
+  std::unique_ptr<const compiler::GraphicsKernels> general_;
+  mutable Variants<compiler::GraphicsKernels> variants_;
 };
 
 }  // namespace pineda::icd

@@ -155,7 +155,7 @@ ImageView::ImageView(const Allocator& from_allocator, Device& device, const VkIm
   const VkFormat shown = view_format.is_plain()        ? info.format
                          : view_format.is_compressed() ? view_format.decoded
                                                        : plane.format->format;
-  state_id_ = device.texture_states.intern_view(view_half(info, shown, level_count));
+  descriptor_.state_id = device.texture_states.intern_view(view_half(info, shown, level_count));
 }
 
 const ImagePlane& ImageView::shown_plane(const VkImageViewCreateInfo& info) const {

@@ -16,7 +16,7 @@ class ImageView : public Object {
   ImageView(const Allocator& from, Device& device, const VkImageViewCreateInfo& info);
 
   const ImageDescriptor& descriptor() const { return descriptor_; }  // sampler words are zero
-  uint32_t state_id() const { return state_id_; }                    // TextureStates
+  uint32_t state_id() const { return descriptor_.state_id; }         // TextureStates
   uint32_t layer_count() const { return layer_count_; }              // of a two-dimensional view of a volume: slices
   VkExtent2D extent() const { return {descriptor_.width, descriptor_.height}; }
   uint32_t sample_count() const { return image_.sample_count; }
@@ -36,7 +36,6 @@ class ImageView : public Object {
   const uint32_t base_level_, base_layer_, layer_count_;
   const bool layers_are_slices_;  // a two-dimensional view of a volume
   ImageDescriptor descriptor_{};
-  uint32_t state_id_ = 0;
 };
 
 }  // namespace pineda::icd

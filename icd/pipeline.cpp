@@ -1,5 +1,6 @@
 #include "icd/pipeline.h"
 
+#include "base/config.h"
 #include "icd/api.h"
 #include "icd/descriptor_set.h"
 #include "icd/device.h"
@@ -9,12 +10,13 @@ namespace pineda::icd {
 bool PipelineTextures::add(const spirv::Module& module, const PipelineLayout& layout) {
   for (const spirv::ImageUse& use : spirv::info(module).images) {
     if (!use.sampled) continue;
-    Slot slot{use.image, use.sampler, {}, {}};
+    Slot slot{use.image, use.sampler, use.view_type, {}, {}};
     if (!layout.find_texture(use.image, &slot.image_at)) {
       report(Severity::kError, "a shader samples set " + std::to_string(use.image.set) + " binding " +
                                    std::to_string(use.image.binding) + ", which the pipeline layout does not have");
       return false;
     }
+    if (use.dynamic) continue;
     // A fetch has no sampler; its ref then names nothing and the image's own ids serve.
     if (!layout.find_texture(use.sampler, &slot.sampler_at)) slot.sampler_at = slot.image_at;
     slots_.push_back(slot);
@@ -35,10 +37,22 @@ void PipelineTextures::key(const DescriptorSet* const* sets, std::vector<Texture
 std::vector<compiler::TextureUse> PipelineTextures::uses(std::span<const TextureIds> key, const TextureStates& states) const {
   std::vector<compiler::TextureUse> uses;
   for (size_t i = 0; i < slots_.size(); ++i) {
-    const compiler::TextureUse use{slots_[i].image, slots_[i].sampler, states.combine(key[i].view, key[i].sampler)};
+    compiler::TextureUse use{slots_[i].image, slots_[i].sampler, states.combine(key[i].view, key[i].sampler)};
+    if (key[i].view == 0) use.state.view_type = slots_[i].view_type;  // a null image fits every shader
     if (std::ranges::find(uses, use) == uses.end()) uses.push_back(use);  // both stages may sample the same pair
   }
   return uses;
+}
+
+uint32_t uses_before_specialization() { return specializes_at_once() ? 1 : 3; }
+bool specializes_at_once() {
+  return !debug(kDebugGeneral) && (config().mode != Mode::kJit || debug(kDebugSpecialize));
+}
+
+const TextureStates& texture_states(const Device& device) { return device.texture_states; }
+
+void run_in_background(Device& device, const void* owner, std::function<void()> work) {
+  if (!debug(kDebugGeneral)) device.background.submit(owner, std::move(work));
 }
 
 void api::DestroyPipeline(VkDevice device, VkPipeline pipeline, const VkAllocationCallbacks* callbacks) {

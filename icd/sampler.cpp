@@ -61,7 +61,7 @@ Sampler::Sampler(const Allocator& from, Device& device, const VkSamplerCreateInf
   descriptor_.max_lod = info.maxLod;
   descriptor_.max_anisotropy = 1.0f;
   if (uses_border(info)) fill_border(info.borderColor, descriptor_.border);
-  state_id_ = device.texture_states.intern_sampler(sampler_half(info));
+  descriptor_.state_id = device.texture_states.intern_sampler(sampler_half(info));
 }
 
 VkResult api::CreateSampler(VkDevice device, const VkSamplerCreateInfo* info, const VkAllocationCallbacks* callbacks,

@@ -12,11 +12,10 @@ class Sampler : public Object {
   Sampler(const Allocator& from, Device& device, const VkSamplerCreateInfo& info);
 
   const SamplerDescriptor& descriptor() const { return descriptor_; }
-  uint32_t state_id() const { return state_id_; }  // TextureStates
+  uint32_t state_id() const { return descriptor_.state_id; }  // TextureStates
 
  private:
   SamplerDescriptor descriptor_{};
-  uint32_t state_id_ = 0;
 };
 
 }  // namespace pineda::icd

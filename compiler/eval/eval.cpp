@@ -1,6 +1,8 @@
 #include "compiler/eval/eval.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "base/float_environment.h"
 #include "compiler/eval/code.h"
@@ -90,6 +92,8 @@ class Machine {
         return store(s, mask);
       case Op::kAtomic:
         return s.type == ir::Type::kI64 ? atomic<uint64_t>(s, mask) : atomic<uint32_t>(s, mask);
+      case Op::kCall:
+        return call(s, mask);
       case Op::kLocalLoad:
         return local_load(s);
       case Op::kLocalStore:
@@ -153,6 +157,22 @@ class Machine {
         if (where.allowed) old = memory_.template atomic<U>(where.address, op, value, comparand);
       }
       at(s.out)[l] = old;
+    }
+  }
+
+  // The callee runs on a copy of its record, so that it sees an overlay's bytes, and the overlay what it changes.
+  void call(const Step& s, Mask mask) {
+    if (mask == 0) return;
+    const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+    const uint64_t address = at(s.in[1])[lane];
+    alignas(64) std::array<uint8_t, ir::kMaxRecordBytes> before, record;
+    for (uint64_t i = 0; i < s.imm; ++i) before[i] = static_cast<uint8_t>(memory_.load(address + i, 1));
+    std::copy_n(before.begin(), s.imm, record.begin());
+    const auto& handle = *reinterpret_cast<const KernelHandle*>(at(s.in[0])[lane]);
+    const PrimRecord prim{nullptr, 0, 1};
+    handle(draw_, thread_, &prim, 1, record.data());
+    for (uint64_t i = 0; i < s.imm; ++i) {
+      if (record[i] != before[i]) memory_.store(address + i, 1, record[i]);
     }
   }
 

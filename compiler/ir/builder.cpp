@@ -103,6 +103,11 @@ Value Builder::op(Op op, Type type, std::initializer_list<Value> operands, uint6
     case Op::kBitcast:
       if (kernel_->at(a[0]).type == type) return a[0];
       break;
+    case Op::kFAdd:
+    case Op::kFSub:
+    case Op::kFMul:
+      flags |= float_flags_;
+      break;
     default:
       break;
   }

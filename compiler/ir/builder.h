@@ -106,6 +106,13 @@ class Builder {
   Value get(Var v) { return local_load(v.local, i32(0)); }
   void set(Var v, Value x) { local_store(v.local, i32(0), x); }
 
+  // Calls another kernel on a record of memory.
+  void call(Value handle, Value record, uint32_t record_bytes) { op(Op::kCall, Type::kVoid, {handle, record}, record_bytes); }
+
+  // While off, fadd, fsub and fmul are made kNoContract: what they compute does not depend on what surrounds them.
+  void set_contraction(bool on) { float_flags_ = on ? 0 : kNoContract; }
+  bool contraction() const { return float_flags_ == 0; }
+
   // control flow: the bodies append to the new region and return what it yields
   using Body = std::function<std::vector<Value>()>;
   std::vector<Value> if_else(Value cond, const std::vector<Type>& results, const Body& then_body, const Body& else_body);
@@ -125,6 +132,7 @@ class Builder {
   Kernel* kernel_;
   RegionId region_;
   uint32_t local_count_ = 0;  // Locals at the head of the wave region that this Builder knows of
+  uint8_t float_flags_ = 0;
 };
 
 }  // namespace pineda::ir

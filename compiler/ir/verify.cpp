@@ -133,6 +133,8 @@ class TypeCheck {
       case Op::kStore:
         if (!is_bits(arg(2))) return "b1 is never in memory";
         return address();
+      case Op::kCall:
+        return arg(0) == Type::kPtr && arg(1) == Type::kPtr ? nullptr : "must be ptr, ptr";
       case Op::kLocalStore:
         return arg(1) == Type::kI32 && arg(2) == arg(0) ? nullptr : "must be index i32, value of the local's type";
       case Op::kIf:
@@ -283,6 +285,8 @@ class Verifier {
         return inst.imm < 256 ? nullptr : "pattern is out of range";
       case Op::kLocal:
         return inst.imm > 0 && inst.imm <= kMaxLocalBytes ? nullptr : "count is out of range";
+      case Op::kCall:
+        return inst.imm > 0 && inst.imm <= kMaxRecordBytes ? nullptr : "the record's size is out of range";
       case Op::kLoopArg:
       case Op::kResult:
         return nullptr;  // checked against the list

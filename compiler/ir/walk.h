@@ -12,7 +12,7 @@ constexpr bool has_regions(Op op) { return op == Op::kIf || op == Op::kLoop; }
 constexpr bool has_list(Op op) { return op == Op::kLoop || op == Op::kYield; }
 // Ops whose Inst::imm is a small number of their own: count, pattern or index.
 constexpr bool has_index_imm(Op op) {
-  return op == Op::kLocal || op == Op::kQuadSwizzle || op == Op::kLoopArg || op == Op::kResult;
+  return op == Op::kLocal || op == Op::kQuadSwizzle || op == Op::kLoopArg || op == Op::kResult || op == Op::kCall;
 }
 
 // Index in Inst::operand of the optional limit.

@@ -160,6 +160,9 @@ Emitter::V Emitter::emit(const ir::Inst& inst, ir::Value id) {
       return nullptr;
     case Op::kAtomic:
       return emit_atomic(inst);
+    case Op::kCall:
+      emit_call(inst);
+      return nullptr;
     case Op::kLocal:
       clear_local(id);
       return nullptr;
@@ -232,6 +235,23 @@ Emitter::V Emitter::emit_constant(const ir::Inst& inst) {
 Emitter::V Emitter::emit_ptr_add(const ir::Inst& inst) {
   V base = arg(inst, 0), offset = arg(inst, 1);
   return b_.CreateAdd(base, b_.CreateZExt(offset, base->getType()));  // a no-op for i64
+}
+
+// handle->fn(handle, draw, thread, &one wave, 1, record)
+void Emitter::emit_call(const ir::Inst& inst) {
+  llvm::Type* ptr = b_.getPtrTy();
+  V handle = b_.CreateIntToPtr(scalar(inst.operand[0]), ptr), record = b_.CreateIntToPtr(scalar(inst.operand[1]), ptr);
+  if (one_wave_ == nullptr) {  // a PrimRecord: no primitive, waves [0, 1)
+    llvm::Type* type = llvm::ArrayType::get(b_.getInt32Ty(), 4);
+    llvm::Constant* words[4] = {b_.getInt32(0), b_.getInt32(0), b_.getInt32(0), b_.getInt32(1)};
+    llvm::Constant* value = llvm::ConstantArray::get(llvm::cast<llvm::ArrayType>(type), words);
+    one_wave_ = new llvm::GlobalVariable(module_, type, true, llvm::GlobalValue::PrivateLinkage, value);
+    one_wave_->setAlignment(llvm::Align(8));
+  }
+  V fn = b_.CreateAlignedLoad(ptr, handle, llvm::Align(8));
+  static_assert(offsetof(KernelHandle, fn) == 0 && sizeof(PrimRecord) == 16 && offsetof(PrimRecord, wave_count) == 12);
+  b_.CreateCall(function_->getFunctionType(), fn,
+                {handle, function_->getArg(1), function_->getArg(2), one_wave_, b_.getInt32(1), record});
 }
 
 Emitter::V Emitter::fail(const std::string& text, llvm::Type* type) {

@@ -103,6 +103,7 @@ class Emitter {
   V emit_source(const ir::Inst& inst);
   V emit_constant(const ir::Inst& inst);
   V emit_ptr_add(const ir::Inst& inst);
+  void emit_call(const ir::Inst& inst);
   V load_field(V record, uint64_t offset_bytes, llvm::Type* type);
   V fail(const std::string& text, llvm::Type* type);
 
@@ -266,6 +267,7 @@ class Emitter {
   V draw_ptr_ = nullptr, thread_ptr_ = nullptr, prim_ptr_ = nullptr, wave_ptr_ = nullptr;  // i64
   llvm::Function* fma_function_ = nullptr;
   llvm::GlobalVariable* zeros_ = nullptr;
+  llvm::GlobalVariable* one_wave_ = nullptr;
 };
 
 }  // namespace pineda::jit

@@ -16,7 +16,12 @@ bool is_mirrored(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRE
 
 // Repeating modes with a texel offset wrap the integer index; otherwise the coordinate is wrapped before it is scaled, which
 // loses nothing of it.
-bool wraps_integers(const AxisRequest& axis) { return axis.offset != 0 && (is_repeat(axis) || is_mirrored(axis)); }
+bool has_offset(const AxisRequest& axis) { return axis.offset != 0 || axis.dynamic_offset; }
+bool wraps_integers(const AxisRequest& axis) { return has_offset(axis) && (is_repeat(axis) || is_mirrored(axis)); }
+
+Value offset_i32(Builder& b, const AxisRequest& axis) {
+  return axis.dynamic_offset ? axis.dynamic_offset : b.i32(static_cast<uint32_t>(axis.offset));
+}
 
 // Position along the axis in texels: value * scale (value alone when scale is unset). NaN gives one of the ends.
 struct Position {
@@ -35,13 +40,13 @@ Position position(Builder& b, const AxisRequest& axis) {
     if (wraps_integers(axis)) return {period, size};
     return {b.fmin(period, b.fsub(b.f32(2), period)), size, true};
   }
-  if (!axis.unnormalized && axis.offset == 0) {
+  if (!axis.unnormalized && !has_offset(axis)) {
     if (axis.mode == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE) return {b.fmin(b.fmax(zero, u), one), size, true};
     if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) return {b.fmin(one, b.fabs(u)), size, true};
   }
   Value s = axis.unnormalized ? u : b.fmul(u, size);
   if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) s = b.fabs(s);
-  if (axis.offset != 0) s = b.fadd(s, b.f32(axis.offset));
+  if (has_offset(axis)) s = b.fadd(s, b.convert(Op::kSToF, Type::kF32, offset_i32(b, axis)));
   return {b.fmin(b.fmax(b.f32(-1), s), b.fadd(size, one)), {}};
 }
 
@@ -54,7 +59,7 @@ Value modulo(Builder& b, Value i, Value n) {
 }
 
 Value wrap_integer(Builder& b, const AxisRequest& axis, Value i) {
-  i = b.iadd(i, b.i32(static_cast<uint32_t>(axis.offset)));
+  i = b.iadd(i, offset_i32(b, axis));
   if (is_repeat(axis)) return modulo(b, i, axis.size.texels);
   const Value period = b.shl(axis.size.texels, b.i32(1));
   const Value j = modulo(b, i, period);
@@ -84,16 +89,28 @@ NearestTexel nearest_texel(Builder& b, const AxisRequest& axis) {
   return {bounded.i, bounded.inside};
 }
 
-LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
-  // Position of the lower texel's centre in 1/256 texel: (s - 0.5) * 256, rounded to nearest even by the constant 1.5 * 2^23,
-  // which leaves the integer in the low bits (|s| is below 2^15).
+namespace {
+
+// Position of the lower texel's centre in 1/256 texel: (s - 0.5) * 256, rounded to nearest even by the constant 1.5 * 2^23, which
+// leaves the integer in the low bits (|s| is below 2^15).
+LinearPosition lower_texel(Builder& b, const Position& p) {
   constexpr double kRound = 0x1.8p23;
-  const Position p = position(b, axis);
   const Value scale = p.scale ? b.fmul(p.scale, b.f32(256)) : b.f32(256);
   const Value bits = b.op(Op::kBitcast, Type::kI32, {b.fma(p.value, scale, b.f32(kRound - 128))});
-  const Value i0 = b.ashr(b.isub(bits, b.i32(0x4B400000)), b.i32(8)), i1 = b.iadd(i0, b.i32(1));
+  return {.i0 = b.ashr(b.isub(bits, b.i32(0x4B400000)), b.i32(8)),
+          .weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(bits, b.i32(255))), b.f32(1.0 / 256))};
+}
+
+}  // namespace
+
+LinearPosition linear_position(Builder& b, const AxisRequest& axis) { return lower_texel(b, position(b, axis)); }
+
+LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
+  const Position p = position(b, axis);
+  const LinearPosition lower = lower_texel(b, p);
+  const Value i0 = lower.i0, i1 = b.iadd(i0, b.i32(1));
   LinearTexels out;
-  out.weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(bits, b.i32(255))), b.f32(1.0 / 256));
+  out.weight1 = lower.weight1;
   if (p.in_image) {  // i0 in [-1, size), i1 in [0, size]
     const Value last = last_texel(b, axis);
     out.i0 = is_repeat(axis) ? b.umin(i0, last) : b.smax(i0, b.i32(0));

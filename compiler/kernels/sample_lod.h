@@ -19,11 +19,17 @@ struct LevelChoice {
   LevelIndex level0;
   LevelIndex level1;   // linear mip filter only
   ir::Value fraction;  // F32, weight of level1: a multiple of 1/256; unset = one level
+  // Anisotropic filtering: `probes` (I32, 1..16; unset = one) samples along `step`, in coordinates.
+  ir::Value probes;
+  std::array<ir::Value, 3> step{};
 };
 
-uint32_t axis_count(VkImageViewType type);  // coordinates apart from the layer
+uint32_t axis_count(VkImageViewType type);  // coordinates apart from the layer; 3 for a cube's direction
+bool is_array(VkImageViewType type);
+bool is_cube(VkImageViewType type);
 
-// LOD after bias and clamping to the sampler's range; unset when the request has none (unnormalized coordinates).
+// LOD after bias and clamping to the sampler's range; unset when the request has none (unnormalized coordinates). The request has
+// gradients or an explicit LOD (with_gradients).
 ir::Value level_of_detail(ir::Builder& b, const SampleSource& source, const spirv::SampleRequest& request);
 LevelChoice choose_levels(ir::Builder& b, const SampleSource& source, const spirv::SampleRequest& request);
 

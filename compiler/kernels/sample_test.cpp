@@ -349,8 +349,8 @@ TEST(Sample, ImplicitLodBiasAndClamps) {
     }
     const auto out = run(image, state, in, [&](Builder&, const std::vector<Value>& v, SampleRequest& r) {
       r.coord = {v[0], v[1]};
-      r.lod = v[2];
-      r.lod_mode = biased ? LodMode::kBias : LodMode::kImplicit;
+      if (biased) r.bias = v[2];
+      r.lod_mode = LodMode::kImplicit;
     });
     expect_samples(image, state, in, out, [&](size_t i) { return lod[i]; }, {image, state});
     // The same slopes given explicitly.

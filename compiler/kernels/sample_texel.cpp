@@ -19,11 +19,13 @@ Value image_word(Builder& b, Value image, size_t offset_bytes) {
 // What the descriptor says of a level. `level`: unset, wave or lane rate.
 LevelView load_level(Builder& b, Value image, Value level) {
   Value width = image_word(b, image, offsetof(ImageDescriptor, width)),
-        height = image_word(b, image, offsetof(ImageDescriptor, height));
+        height = image_word(b, image, offsetof(ImageDescriptor, height)),
+        depth = image_word(b, image, offsetof(ImageDescriptor, depth));
   Value record = b.i32(0);
   if (level) {
     width = b.lshr(width, level);
     height = b.lshr(height, level);
+    depth = b.lshr(depth, level);
     record = b.shl(b.umin(level, b.i32(kMaxMipLevels)), b.i32(3));
   }
   const auto field = [&](size_t offset_bytes) {
@@ -34,7 +36,9 @@ LevelView load_level(Builder& b, Value image, Value level) {
     texels = b.umax(texels, b.i32(1));
     return AxisSize{texels, b.convert(Op::kSToF, Type::kF32, texels)};
   };
-  return {size(width), size(height), field(offsetof(MipLevel, offset_bytes)), field(offsetof(MipLevel, row_pitch_bytes))};
+  return {.size = {size(width), size(height), size(depth)},
+          .offset_bytes = field(offsetof(MipLevel, offset_bytes)),
+          .row_pitch_bytes = field(offsetof(MipLevel, row_pitch_bytes))};
 }
 
 }  // namespace
@@ -43,33 +47,37 @@ LevelView view_level(Builder& b, Value image, const LevelIndex& level) {
   if (!level) return load_level(b, image, {});
   const auto list = [&](Value l) {
     const LevelView v = load_level(b, image, l);
-    return std::vector{v.width.texels,      v.width.texels_f32, v.height.texels,
-                       v.height.texels_f32, v.offset_bytes,     v.row_pitch_bytes};
+    std::vector<Value> values{v.offset_bytes, v.row_pitch_bytes};
+    for (const AxisSize& size : v.size) values.insert(values.end(), {size.texels, size.texels_f32});
+    return values;
   };
-  const std::vector<Type> types{Type::kI32, Type::kF32, Type::kI32, Type::kF32, Type::kI32, Type::kI32};
+  const std::vector<Type> types{Type::kI32, Type::kI32, Type::kI32, Type::kF32, Type::kI32, Type::kF32, Type::kI32, Type::kF32};
   const std::vector<Value> v = b.if_else(
       level.uniform, types, [&] { return list(level.wave); }, [&] { return list(level.lane); });
-  return {{v[0], v[1]}, {v[2], v[3]}, v[4], v[5]};
+  return {.size = {{{v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}}}, .offset_bytes = v[0], .row_pitch_bytes = v[1]};
 }
 
-TexelReader::TexelReader(Builder& b, const SampleSource& source, const FormatInfo& format, Value layer)
+TexelReader::TexelReader(Builder& b, const SampleSource& source, const FormatInfo& format)
     : b_(b), source_(source), format_(format) {
   // Bounded indices stay inside the memory that the descriptor describes. A null image is an all-zero descriptor of one texel at
   // offset zero: it reads the descriptor's own zeros.
   const Value size_bytes = image_word(b, source.image, offsetof(ImageDescriptor, size_bytes));
   const Value address = b.load(Type::kPtr, source.image, offsetof(ImageDescriptor, address), kFixed);
   base_ = b.select(b.ine(size_bytes, b.i32(0)), address, source.image);
-  if (layer) layer_offset_ = b.imul(layer, image_word(b, source.image, offsetof(ImageDescriptor, layer_pitch_bytes)));
 }
 
 void TexelReader::check(Value inside) {
   limit_ = b_.select(inside, image_word(b_, source_.image, offsetof(ImageDescriptor, size_bytes)), b_.i32(0));
 }
 
-Value TexelReader::row_offset(const LevelView& level, Value y) {
-  Value offset = level.offset_bytes;
-  if (y) offset = b_.iadd(offset, b_.imul(y, level.row_pitch_bytes));
-  return layer_offset_ ? b_.iadd(offset, layer_offset_) : offset;
+Value TexelReader::layer_offset(Value layer) {
+  return b_.imul(layer, image_word(b_, source_.image, offsetof(ImageDescriptor, layer_pitch_bytes)));
+}
+
+Value TexelReader::row_offset(const LevelView& level, Value y, Value z) {
+  Value row = y;
+  if (z) row = b_.iadd(b_.imul(z, level.size[1].texels), y);  // slices follow each other
+  return row ? b_.iadd(level.offset_bytes, b_.imul(row, level.row_pitch_bytes)) : level.offset_bytes;
 }
 
 Value TexelReader::column_offset(Value x) { return b_.imul(x, b_.i32(format_.texel_bytes)); }

@@ -8,7 +8,7 @@ namespace pineda::kernels {
 
 // One level as a lane sees it; bytes from the image's address.
 struct LevelView {
-  AxisSize width, height;
+  std::array<AxisSize, 3> size;  // width, height, depth
   ir::Value offset_bytes, row_pitch_bytes;
 };
 // Without a level: level 0, constant over the draw.
@@ -18,10 +18,11 @@ LevelView view_level(ir::Builder& b, ir::Value image, const LevelIndex& level);
 // by finish().
 class TexelReader {
  public:
-  TexelReader(ir::Builder& b, const SampleSource& source, const FormatInfo& format, ir::Value layer);
+  TexelReader(ir::Builder& b, const SampleSource& source, const FormatInfo& format);
 
-  // Byte offset of row y, with the layer's; of column x.
-  ir::Value row_offset(const LevelView& level, ir::Value y);
+  // Byte offsets: of a layer; of row y and slice z (unset: 0) of the level in its layer; of column x.
+  ir::Value layer_offset(ir::Value layer);
+  ir::Value row_offset(const LevelView& level, ir::Value y, ir::Value z);
   ir::Value column_offset(ir::Value x);
 
   // The texel at a byte offset, in filter units, border colour where `inside` (B1) is set and false. Components that the format
@@ -42,7 +43,7 @@ class TexelReader {
   ir::Builder& b_;
   const SampleSource& source_;
   const FormatInfo& format_;
-  ir::Value base_, limit_, layer_offset_;
+  ir::Value base_, limit_;
 };
 
 // The view's component swizzle, on values.

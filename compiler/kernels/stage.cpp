@@ -5,6 +5,7 @@
 #include "base/abi.h"
 #include "compiler/kernels/concat.h"
 #include "compiler/kernels/sample.h"
+#include "compiler/kernels/sample_call.h"
 #include "compiler/kernels/storage_image.h"
 
 namespace pineda::kernels {
@@ -35,6 +36,8 @@ bool is_image(VkDescriptorType type) {
 Value clamp_index(Builder& b, Value index, uint32_t count) {
   return index && count > 1 ? b.umin(index, b.i32(count - 1)) : Value{};
 }
+
+Value element(Builder& b, const spirv::ImageRef& ref) { return ref.index ? ref.index : b.i32(ref.array_index); }
 
 }  // namespace
 
@@ -91,42 +94,43 @@ const compiler::TextureState* Stage::texture_state(const spirv::ImageRef& image,
 
 Value Stage::image_descriptor(Builder& b, const spirv::ImageRef& image) {
   const compiler::DescriptorBinding* where = find(image.set, image.binding);
-  if (!where || !is_image(where->type) || image.array_index >= where->count) {
+  if (!where || !is_image(where->type) || (!image.index && image.array_index >= where->count)) {
     refuse(
         concat("The pipeline layout has no image at set ", image.set, ", binding ", image.binding, "[", image.array_index, "]."));
     return {};
   }
-  return descriptor(b, *where, where->count > 1 ? b.i32(image.array_index) : Value{});
+  return descriptor(b, *where, element(b, image));
 }
 
 Value Stage::sampler_words(Builder& b, const spirv::ImageRef& image, const spirv::ImageRef& sampler, Value image_descriptor) {
   constexpr uint32_t kWords = offsetof(ImageDescriptor, lod_bias);  // in the tail of a combined descriptor
   if (sampler == image) return image_descriptor ? b.ptr_add(image_descriptor, b.i32(kWords)) : Value{};
   const compiler::DescriptorBinding* where = find(sampler.set, sampler.binding);
-  if (!where || sampler.array_index >= where->count) {
+  if (!where || (!sampler.index && sampler.array_index >= where->count)) {
     refuse(concat("The pipeline layout has no sampler at set ", sampler.set, ", binding ", sampler.binding, "."));
     return {};
   }
-  const Value words = descriptor(b, *where, where->count > 1 ? b.i32(sampler.array_index) : Value{});
+  const Value words = descriptor(b, *where, element(b, sampler));
   return where->type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER ? b.ptr_add(words, b.i32(kWords)) : words;
 }
 
+// What the pipeline was specialised for, or null: then the descriptors tell when the kernel runs.
+const compiler::TextureState* Stage::known_state(const spirv::ImageRef& image, const spirv::ImageRef& sampler, bool fetch) const {
+  if (image.index || sampler.index) return nullptr;
+  if (const compiler::TextureState* exact = texture_state(image, sampler)) return exact;
+  if (!fetch) return nullptr;  // a fetch has no sampler: any use of the image tells its format
+  const auto any = std::ranges::find(textures_, image, &compiler::TextureUse::image);
+  return any != textures_.end() ? &any->state : nullptr;
+}
+
 std::optional<std::array<Value, 4>> Stage::sample(Builder& b, const spirv::SampleRequest& request) {
-  const compiler::TextureState* state = texture_state(request.image, request.sampler);
-  if (!state && request.lod_mode == spirv::LodMode::kFetch) {  // a fetch has no sampler: any use of the image tells its format
-    const auto any = std::ranges::find(textures_, request.image, &compiler::TextureUse::image);
-    if (any != textures_.end()) state = &any->state;
-  }
-  if (!state) {
-    return refuse(
-        concat("No texture state was given for the image at set ", request.image.set, ", binding ", request.image.binding, "."));
-  }
+  const bool fetch = request.lod_mode == spirv::LodMode::kFetch;
   const Value image = image_descriptor(b, request.image);
-  const Value sampler =
-      request.lod_mode == spirv::LodMode::kFetch ? image : sampler_words(b, request.image, request.sampler, image);
+  const Value sampler = fetch ? image : sampler_words(b, request.image, request.sampler, image);
   if (!image || !sampler) return std::nullopt;
-  const SampleSource source{*state, image, sampler};
-  const Result<Channels> texel = sample_image(b, source, request);
+  const compiler::TextureState* state = known_state(request.image, request.sampler, fetch);
+  const Result<Channels> texel =
+      state ? sample_image(b, {*state, image, sampler}, request) : call_sample(b, image, sampler, request);
   if (!texel) return refuse(texel.error().text);
   return *texel;
 }
@@ -134,14 +138,15 @@ std::optional<std::array<Value, 4>> Stage::sample(Builder& b, const spirv::Sampl
 std::optional<std::array<Value, 4>> Stage::query(Builder& b, const spirv::ImageQuery& query) {
   const Value image = image_descriptor(b, query.image);
   if (!image) return std::nullopt;
-  std::optional<SampleSource> source;
+  Result<Channels> answer;
   if (query.kind == spirv::ImageQuery::Kind::kLod) {
-    const compiler::TextureState* state = texture_state(query.image, query.sampler);
     const Value sampler = sampler_words(b, query.image, query.sampler, image);
-    if (!state || !sampler) return std::nullopt;
-    source.emplace(*state, image, sampler);
+    if (!sampler) return std::nullopt;
+    const compiler::TextureState* state = known_state(query.image, query.sampler, false);
+    answer = state ? query_lod(b, {*state, image, sampler}, lod_request(b, query)) : call_query_lod(b, image, sampler, query);
+  } else {
+    answer = query_image(b, image, query);
   }
-  const Result<Channels> answer = query_image(b, image, source ? &*source : nullptr, query);
   if (!answer) return refuse(answer.error().text);
   return *answer;
 }

@@ -33,6 +33,7 @@ class Stage : public spirv::StageInterface {
   // Address of a descriptor (Ptr); array_index may be unset.
   ir::Value descriptor(ir::Builder& b, const compiler::DescriptorBinding& where, ir::Value array_index) const;
   const compiler::TextureState* texture_state(const spirv::ImageRef& image, const spirv::ImageRef& sampler) const;
+  const compiler::TextureState* known_state(const spirv::ImageRef& image, const spirv::ImageRef& sampler, bool fetch) const;
   // Address of an ImageDescriptor, unset with a refusal when the layout has no such image.
   ir::Value image_descriptor(ir::Builder& b, const spirv::ImageRef& image);
   // Address of the sampler words that go with an image.

@@ -58,7 +58,7 @@ class Eliminator {
     Writes out;
     for (Value v : kernel_.regions[id].insts) {
       const Inst& inst = kernel_.at(v);
-      out.memory |= inst.op == Op::kStore || inst.op == Op::kAtomic;
+      out.memory |= inst.op == Op::kStore || inst.op == Op::kAtomic || inst.op == Op::kCall;
       out.locals |= inst.op == Op::kLocalStore;
       for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
         const Writes inner = find_writes(inst.region[r]);
@@ -91,7 +91,7 @@ class Eliminator {
   void after(Value v) {
     const Inst& inst = kernel_.at(v);
     if (inst.op == Op::kLocalStore) local_version_[inst.operand[0].id] = ++next_version_;
-    if (inst.op == Op::kStore || inst.op == Op::kAtomic) memory_version_ = ++next_version_;
+    if (inst.op == Op::kStore || inst.op == Op::kAtomic || inst.op == Op::kCall) memory_version_ = ++next_version_;
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
       const RegionId inner = inst.region[r];
       if (inst.op == Op::kLoop) renew(writes_[inner]);  // the body may see what an earlier iteration wrote

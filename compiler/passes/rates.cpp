@@ -78,6 +78,7 @@ class Rater {
       case Op::kAtomic:
       case Op::kStore:
       case Op::kLocalStore:
+      case Op::kCall:
       case Op::kYield:
         return Rate::kLane;
       default:

@@ -134,9 +134,10 @@ std::array<Value, 4> coordinates(Translator& t, const Instruction& inst, uint32_
 
 // The optional image operands, which follow in the order of their bits (SPIR-V 3.14).
 struct Operands {
-  Value bias, lod;
+  Value bias, lod, min_lod, sample;
   Values ddx, ddy;
   std::array<int32_t, 3> offset{};
+  std::array<Value, 3> dynamic_offset{};
   std::vector<std::array<int32_t, 3>> gather_offsets;  // ConstOffsets
 };
 
@@ -161,6 +162,17 @@ void gather_offsets(Translator& t, const Instruction& inst, uint32_t id, Operand
   }
 }
 
+// Need not be constant (ImageGatherExtended).
+void offset(Translator& t, const Instruction& inst, uint32_t word, Operands& out) {
+  if (t.m.constant(inst.word(word))) {
+    out.offset = constant_offset(t, inst, inst.word(word));
+    return;
+  }
+  const Values v = t.integers(inst, word);
+  if (v.size() > 3 || t.b.type(v[0]) != ir::Type::kI32) inst.fail("a texel offset must be 1 to 3 integers");
+  std::ranges::copy(v, out.dynamic_offset.begin());
+}
+
 Operands read_operands(Translator& t, const Instruction& inst, uint32_t word, ir::Type lod_type) {
   Operands out;
   const uint32_t mask = inst.word_or(word++, 0);
@@ -169,7 +181,7 @@ Operands read_operands(Translator& t, const Instruction& inst, uint32_t word, ir
                                 spv::ImageOperandsMakeTexelAvailableMask | spv::ImageOperandsMakeTexelVisibleMask;
   constexpr uint32_t kRead = uint32_t{spv::ImageOperandsBiasMask} | spv::ImageOperandsLodMask | spv::ImageOperandsGradMask |
                              spv::ImageOperandsConstOffsetMask | spv::ImageOperandsOffsetMask |
-                             spv::ImageOperandsConstOffsetsMask;
+                             spv::ImageOperandsConstOffsetsMask | spv::ImageOperandsSampleMask | spv::ImageOperandsMinLodMask;
   if (mask & ~(kIgnored | kRead)) inst.fail("image operands " + std::to_string(mask) + " are not supported");
   if (mask & spv::ImageOperandsBiasMask) out.bias = t.scalar(inst, word++, ir::Type::kF32);
   if (mask & spv::ImageOperandsLodMask) out.lod = t.scalar(inst, word++, lod_type);
@@ -178,8 +190,10 @@ Operands read_operands(Translator& t, const Instruction& inst, uint32_t word, ir
     out.ddy = t.floats(inst, word++);
   }
   if (mask & spv::ImageOperandsConstOffsetMask) out.offset = constant_offset(t, inst, inst.word(word++));
-  if (mask & spv::ImageOperandsOffsetMask) out.offset = constant_offset(t, inst, inst.word(word++));
+  if (mask & spv::ImageOperandsOffsetMask) offset(t, inst, word++, out);
   if (mask & spv::ImageOperandsConstOffsetsMask) gather_offsets(t, inst, inst.word(word++), out);
+  if (mask & spv::ImageOperandsSampleMask) out.sample = t.scalar(inst, word++, ir::Type::kI32);
+  if (mask & spv::ImageOperandsMinLodMask) out.min_lod = t.scalar(inst, word++, ir::Type::kF32);
   return out;
 }
 
@@ -199,6 +213,8 @@ SampleRequest request_for(Translator& t, const Instruction& inst, const Opaque& 
 
 void apply(Translator& t, const Instruction& inst, const Operands& operands, uint32_t dims, SampleRequest& r) {
   r.offset = operands.offset;
+  r.min_lod = operands.min_lod;
+  if (operands.dynamic_offset[0]) inst.fail("only gathers have offsets that are not constant");
   if (!operands.ddx.empty()) {
     if (operands.ddx.size() != dims || operands.ddy.size() != dims) inst.fail("the gradients do not have the image's dimensions");
     r.lod_mode = LodMode::kGradient;
@@ -212,8 +228,8 @@ void apply(Translator& t, const Instruction& inst, const Operands& operands, uin
     r.lod = t.b.f32(0);
   } else {
     t.found().uses_derivatives = true;
-    r.lod_mode = operands.bias ? LodMode::kBias : LodMode::kImplicit;
-    r.lod = operands.bias;
+    r.lod_mode = LodMode::kImplicit;
+    r.bias = operands.bias;
   }
 }
 
@@ -256,6 +272,7 @@ void gather_with(Translator& t, const Instruction& inst, SampleRequest& r, uint3
   r.lod_mode = LodMode::kExplicit;
   r.lod = t.b.f32(0);
   r.offset = operands.offset;
+  r.dynamic_offset = operands.dynamic_offset;
   if (operands.gather_offsets.empty()) {
     const Texel texel = ask(t, inst, r);
     return t.define(inst, Values(texel.begin(), texel.end()));
@@ -297,6 +314,8 @@ void fetch(Translator& t, const Instruction& inst) {
   r.lod_mode = LodMode::kFetch;
   r.lod = operands.lod ? operands.lod : t.b.i32(0);
   r.offset = operands.offset;
+  if (operands.dynamic_offset[0]) inst.fail("only gathers have offsets that are not constant");
+  r.sample = operands.sample;
   r.sampler = r.image;
   const Texel texel = ask(t, inst, r);
   t.define(inst, Values(texel.begin(), texel.end()));

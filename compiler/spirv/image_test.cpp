@@ -44,7 +44,8 @@ TEST(SpirvImage, ImplicitBiasExplicitGradient) {
   EXPECT_TRUE(s.info.uses_derivatives);
   EXPECT_EQ(result(s, 5), (Four{5, 2, 0, 0}));
   s = sample(texture, "r = texture(t, v.xy, 1.25);");
-  EXPECT_EQ(s.stage.samples[0].lod_mode, LodMode::kBias);
+  EXPECT_EQ(s.stage.samples[0].lod_mode, LodMode::kImplicit);
+  EXPECT_TRUE(s.stage.samples[0].bias);
   EXPECT_EQ(result(s, 5), (Four{5, 2, 1.25f, 0}));
   s = sample(texture, "r = textureLodOffset(t, v.yx, v.w, ivec2(-3, 4));");
   EXPECT_EQ(s.stage.samples[0].lod_mode, LodMode::kExplicit);

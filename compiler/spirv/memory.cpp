@@ -206,7 +206,7 @@ namespace {
 Opaque load_opaque(Translator& t, const Instruction& inst, const Pointer& p, const Type& type) {
   const Decorations& d = t.m.decorations_of(p.variable);
   if (!d.set || !d.binding) inst.fail("%" + std::to_string(p.variable) + " has no DescriptorSet or Binding");
-  const ImageRef ref{.set = *d.set, .binding = *d.binding, .array_index = p.descriptor};
+  const ImageRef ref{.set = *d.set, .binding = *d.binding, .array_index = p.descriptor, .index = p.descriptor_index};
   switch (type.kind) {
     case TypeKind::kImage:
       return {.image_type = type.id, .image = ref};

@@ -43,11 +43,11 @@ void check_range(const Instruction& inst, const Pointer& p, const Type& type, co
 
 void step_descriptor(Translator& t, const Instruction& inst, Pointer& p, const Type& type, const Index& index) {
   if (index.is_constant) {
-    if (index.constant >= type.count) inst.fail("a descriptor index is out of range");
+    if (type.kind == TypeKind::kArray && index.constant >= type.count) inst.fail("a descriptor index is out of range");
     p.descriptor = index.constant;
   } else {
-    if (p.storage == spv::StorageClassUniformConstant) inst.fail("arrays of images and samplers need constant indices");
-    p.descriptor_index = t.b.umin(index.value, t.b.i32(type.count - 1));  // nothing beyond the binding is ever read
+    // Nothing beyond the binding is ever read: the kernel knows how long a runtime array is.
+    p.descriptor_index = type.kind == TypeKind::kArray ? t.b.umin(index.value, t.b.i32(type.count - 1)) : index.value;
   }
   p.pointee = type.element;
 }
@@ -119,7 +119,8 @@ void access_chain(Translator& t, const Instruction& inst) {
     const Index index = read_index(t, inst, word);
     const bool has_descriptors = p.storage == spv::StorageClassUniformConstant || p.storage == spv::StorageClassUniform ||
                                  p.storage == spv::StorageClassStorageBuffer;
-    if (has_descriptors && type.kind == TypeKind::kArray && type.id == root_type) {
+    const bool is_array = type.kind == TypeKind::kArray || type.kind == TypeKind::kRuntimeArray;
+    if (has_descriptors && is_array && type.id == root_type) {
       step_descriptor(t, inst, p, type, index);
       continue;
     }

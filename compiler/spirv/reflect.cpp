@@ -42,9 +42,12 @@ class Recorder final : public StageInterface {
     const ir::Value zero = b.zero(type);
     return {zero, zero, zero, zero};
   }
-  void add(const ImageUse& use) {
+  void add(ImageUse use) {
+    use.dynamic = use.image.index || use.sampler.index;
+    use.image.index = use.sampler.index = {};
     const bool known = std::ranges::any_of(info_.images, [&](const ImageUse& u) {
-      return u.image == use.image && u.sampler == use.sampler && u.sampled == use.sampled && u.view_type == use.view_type;
+      return u.image == use.image && u.sampler == use.sampler && u.sampled == use.sampled && u.view_type == use.view_type &&
+             u.dynamic == use.dynamic;
     });
     if (!known) info_.images.push_back(use);
   }

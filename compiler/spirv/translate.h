@@ -83,11 +83,12 @@ struct BufferRef {
 
 struct ImageRef {
   uint32_t set = 0, binding = 0;
-  uint32_t array_index = 0;  // constant: dynamic indexing of images is not advertised yet
+  uint32_t array_index = 0;  // when it is constant
+  ir::Value index;           // I32, otherwise; it may vary by lane, and may be out of range
   bool operator==(const ImageRef&) const = default;
 };
 
-enum class LodMode : uint8_t { kImplicit, kBias, kExplicit, kGradient, kFetch };
+enum class LodMode : uint8_t { kImplicit, kExplicit, kGradient, kFetch };
 
 struct SampleRequest {
   ImageRef image;
@@ -96,11 +97,15 @@ struct SampleRequest {
   ir::Type result = ir::Type::kF32;  // kF32 or kI32
   LodMode lod_mode = LodMode::kImplicit;
   std::array<ir::Value, 4> coord{};  // u, v, w/face.., then layer; I32 for kFetch; projective division already done
-  ir::Value lod;                     // bias, explicit LOD (F32) or fetch level (I32)
+  ir::Value lod;                     // explicit LOD (F32) or fetch level (I32)
+  ir::Value bias;                    // F32, kImplicit and kGradient
+  ir::Value min_lod;                 // F32, the MinLod operand
   std::array<ir::Value, 3> ddx{}, ddy{};
-  std::array<int32_t, 3> offset{};  // constant texel offset
-  ir::Value depth_reference;        // set: comparison sampling
-  int32_t gather_component = -1;    // 0..3: gather
+  std::array<int32_t, 3> offset{};            // constant texel offset
+  std::array<ir::Value, 3> dynamic_offset{};  // I32, of gathers: replaces `offset` where it is set
+  ir::Value sample;                           // I32, fetches of multisampled images
+  ir::Value depth_reference;                  // set: comparison sampling
+  int32_t gather_component = -1;              // 0..3: gather
 };
 
 struct ImageQuery {
@@ -155,6 +160,7 @@ struct ImageUse {
   ImageRef image, sampler;
   bool sampled = false;  // with a sampler (also fetch); otherwise storage
   VkImageViewType view_type;
+  bool dynamic = false;  // an index of image or sampler is not constant
 };
 
 struct ModuleInfo {

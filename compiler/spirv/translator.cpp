@@ -118,7 +118,11 @@ Pointer Translator::pointer(const Instruction& inst, uint32_t word) {
 Opaque Translator::opaque(const Instruction& inst, uint32_t word) {
   Record& r = record(inst, inst.word(word));
   if (r.kind != RecordKind::kOpaque) inst.fail("%" + std::to_string(inst.word(word)) + " is not an image or sampler");
-  return opaques_[r.detail];
+  const Values dynamic = usable(inst, r);
+  Opaque o = opaques_[r.detail];
+  o.image.index = dynamic[0];
+  o.sampler.index = dynamic[1];
+  return o;
 }
 
 // ---- results --------------------------------------------------------------------------------------------------------------
@@ -163,6 +167,7 @@ void Translator::define(const Instruction& inst, const Pointer& pointer) {
 void Translator::define(const Instruction& inst, const Opaque& opaque) {
   Record& r = fresh(inst);
   r.kind = RecordKind::kOpaque;
+  r.values = {opaque.image.index, opaque.sampler.index};
   r.detail = static_cast<uint32_t>(opaques_.size());
   opaques_.push_back(opaque);
 }

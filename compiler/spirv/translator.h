@@ -28,7 +28,7 @@ struct Pointer {
   uint32_t offset = 0;               // static part
   ir::Value index;                   // dynamic part of the offset, same unit; or unset
   uint32_t descriptor = 0;           // element of an array of descriptors
-  ir::Value descriptor_index;        // its dynamic part, or unset (buffers only)
+  ir::Value descriptor_index;        // or, when that is not constant, this
   uint32_t matrix_stride_bytes = 0;  // of the struct member that holds the matrix; 0 = none
   bool row_major = false;
   uint32_t component_stride_bytes = 4;  // of a vector: not 4 for a column of a row-major matrix
@@ -110,7 +110,7 @@ class Translator {
     RecordKind kind = RecordKind::kNone;
     ir::RegionId region = 0;
     uint32_t detail = 0;           // index in pointers_ or opaques_
-    Values values;                 // kPointer: {index, descriptor_index}, either may be unset
+    Values values;                 // kPointer: {index, descriptor_index}, kOpaque: those of image and sampler; may be unset
     std::vector<ir::Var> escaped;  // filled when it is used where `region` is closed; parallel to values
   };
   Record& record(const Instruction& inst, uint32_t id);

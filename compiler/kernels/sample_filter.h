@@ -1,0 +1,67 @@
+// Filtering: which texels a sample touches, and how they are brought together (Vulkan 1.3, section 16.9 "Texel Filtering").
+#pragma once
+
+#include "compiler/kernels/sample_cube.h"
+#include "compiler/kernels/sample_texel.h"
+
+namespace pineda::kernels {
+
+class Filter {
+ public:
+  // `request`: with gradients or an explicit LOD.
+  Filter(ir::Builder& b, const SampleSource& source, const spirv::SampleRequest& request, const FormatInfo& format);
+
+  Channels sample();
+  Channels gather();
+
+ private:
+  using Coordinates = std::array<ir::Value, 3>;
+  struct Plane {  // the linear footprint in x and y
+    ir::Value column[2], row[2];         // texels
+    ir::Value inside_x[2], inside_y[2];  // unset = always
+    ir::Value weight_x, weight_y;        // F32, of column[1], row[1]; weight_y unset: one row
+  };
+  using Taps = std::array<Channels, 4>;  // (column 0, row 0), (1, 0), (0, 1), (1, 1)
+
+  void select_layer();
+  AxisRequest axis(const LevelView& level, uint32_t a, const Coordinates& at) const;
+  Plane plane(const LevelView& level, const Coordinates& at);
+  Taps read_plane(const LevelView& level, const Plane& p, ir::Value z, ir::Value inside_z);
+  Channels read(ir::Value offset_bytes, ir::Value inside);
+
+  Channels sample_at(const Coordinates& at, const LevelChoice& choice);
+  Channels probes(const LevelChoice& choice);
+  Channels filter(const LevelChoice& choice, const LevelIndex& level, const Coordinates& at);
+  Channels filter_with(VkFilter filter, const LevelView& level, const Coordinates& at);
+  Channels nearest(const LevelView& level, const Coordinates& at);
+  Channels linear(const LevelView& level, const Coordinates& at);
+  Channels linear_on_cube(const LevelView& level, const Coordinates& at);
+  Taps read_over_edges(const LevelView& level, const Plane& p);
+  void fill_corner(Taps& taps, const std::array<ir::Value, 4>& is_corner);
+
+  Channels weighted(const Taps& taps, const Plane& p);
+  Channels blend(const Channels& first, const Channels& second, ir::Value weight2);
+  ir::Value reduce(ir::Value first, ir::Value second);
+  std::vector<uint32_t> present() const;  // channels that taps have
+  std::vector<ir::Type> channel_types() const;
+  std::vector<ir::Value> listed(const Channels& texel) const;
+  Channels unlisted(std::span<const ir::Value> values) const;
+  template <typename Then, typename Else>
+  Channels channels_if(ir::Value cond, const Then& then_body, const Else& else_body);
+
+  ir::Builder& b_;
+  const SampleSource& source_;
+  const compiler::TextureState& state_;
+  const FormatInfo& format_;
+  const bool cube_;
+  spirv::SampleRequest request_;  // on its face, for a cube
+  ir::Value face_;                // I32; unset unless cube_
+  ir::Value array_layer_;         // I32: the layer, or the first of a cube's six; unset = 0
+  ir::Value layer_offset_;        // I32, bytes; unset = 0
+  const uint32_t axes_;           // of a face, for a cube
+  const bool reduces_;            // minimum or maximum instead of the average
+  TexelReader reader_;
+  ir::Value reference_;
+};
+
+}  // namespace pineda::kernels
