@@ -44,12 +44,4 @@ VkResult api::BindBufferMemory(VkDevice, VkBuffer buffer, VkDeviceMemory memory,
   return VK_SUCCESS;
 }
 
-// No format has a texel buffer feature, so no valid view exists.
-VkResult api::CreateBufferView(VkDevice, const VkBufferViewCreateInfo*, const VkAllocationCallbacks*, VkBufferView* out) {
-  *out = VK_NULL_HANDLE;
-  return not_supported("vkCreateBufferView: texel buffers are not supported");
-}
-
-void api::DestroyBufferView(VkDevice, VkBufferView, const VkAllocationCallbacks*) {}
-
 }  // namespace pineda::icd

@@ -20,6 +20,8 @@ bool within_limits(const spirv::ModuleInfo& info) {
 
 }  // namespace
 
+ComputePipeline::~ComputePipeline() { device.background.cancel(this); }
+
 VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
   const PipelineLayout& layout = *from(info.layout);
   layout_ = layout.compiler_layout();

@@ -1,7 +1,6 @@
 // VkPipeline for dispatches.
 #pragma once
 
-#include "icd/device.h"
 #include "icd/pipeline.h"
 
 namespace pineda::icd {
@@ -9,7 +8,7 @@ namespace pineda::icd {
 class ComputePipeline : public Pipeline {
  public:
   ComputePipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_COMPUTE) {}
-  ~ComputePipeline() override { device.background.cancel(this); }
+  ~ComputePipeline() override;
   VkResult init(const VkComputePipelineCreateInfo& info);
 
   bool samples() const { return !textures_.empty(); }

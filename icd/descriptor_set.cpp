@@ -6,6 +6,7 @@
 
 #include "icd/api.h"
 #include "icd/buffer.h"
+#include "icd/buffer_view.h"
 #include "icd/device.h"
 #include "icd/image_view.h"
 #include "icd/sampler.h"
@@ -83,6 +84,13 @@ void DescriptorSet::write_one(const BindingLayout& binding, uint32_t element, co
     const VkDescriptorBufferInfo& info = write.pBufferInfo[source];
     const BufferDescriptor descriptor = info.buffer ? from(info.buffer)->descriptor(info.offset, info.range) : BufferDescriptor{};
     std::memcpy(out, &descriptor, sizeof(descriptor));
+    return;
+  }
+  if (is_texel_buffer(binding.type)) {
+    const BufferView* view = from(write.pTexelBufferView[source]);
+    const ImageDescriptor descriptor = view ? view->descriptor() : ImageDescriptor{};
+    std::memcpy(out, &descriptor, sizeof(descriptor));
+    textures_[binding.texture_index + element] = {.view = descriptor.state_id, .sampler = 0};
     return;
   }
   const VkDescriptorImageInfo& info = write.pImageInfo[source];

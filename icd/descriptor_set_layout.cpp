@@ -17,12 +17,16 @@ bool has_sampler(VkDescriptorType type) {
   return type == VK_DESCRIPTOR_TYPE_SAMPLER || type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 }
 
+bool is_texel_buffer(VkDescriptorType type) {
+  return type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+}
+
 bool has_image(VkDescriptorType type) {
   return type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER || type == VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE ||
          type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
 }
 
-bool has_texture_ids(VkDescriptorType type) { return has_sampler(type) || has_image(type); }
+bool has_texture_ids(VkDescriptorType type) { return has_sampler(type) || has_image(type) || is_texel_buffer(type); }
 
 uint32_t descriptor_bytes(VkDescriptorType type) {
   switch (type) {
@@ -34,6 +38,8 @@ uint32_t descriptor_bytes(VkDescriptorType type) {
     case VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER:
     case VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE:
     case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE:
+    case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
+    case VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER:
       return sizeof(ImageDescriptor);
     case VK_DESCRIPTOR_TYPE_SAMPLER:
       return sizeof(SamplerDescriptor);

@@ -24,7 +24,8 @@ struct BindingLayout {
 };
 
 bool is_dynamic(VkDescriptorType type);
-bool has_texture_ids(VkDescriptorType type);  // images and samplers
+bool has_texture_ids(VkDescriptorType type);  // images, samplers and texel buffers
+bool is_texel_buffer(VkDescriptorType type);
 bool has_sampler(VkDescriptorType type);
 bool has_image(VkDescriptorType type);
 // 0 for a type that is not supported.

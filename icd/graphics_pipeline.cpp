@@ -6,6 +6,8 @@
 
 namespace pineda::icd {
 
+GraphicsPipeline::~GraphicsPipeline() { device.background.cancel(this); }
+
 VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
   if (const VkResult result = translate_graphics_state(info, &state_); result != VK_SUCCESS) return result;
   const PipelineLayout& layout = *from(info.layout);

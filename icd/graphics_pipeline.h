@@ -1,7 +1,6 @@
 // VkPipeline for drawing.
 #pragma once
 
-#include "icd/device.h"
 #include "icd/graphics_state.h"
 #include "icd/pipeline.h"
 
@@ -10,7 +9,7 @@ namespace pineda::icd {
 class GraphicsPipeline : public Pipeline {
  public:
   GraphicsPipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_GRAPHICS) {}
-  ~GraphicsPipeline() override { device.background.cancel(this); }
+  ~GraphicsPipeline() override;
   // Parses the stages and compiles.
   VkResult init(const VkGraphicsPipelineCreateInfo& info);
 

@@ -18,6 +18,7 @@ struct SampleSignature {
   int8_t gather_component = -1;
   std::array<int32_t, 3> offset{};  // -128..127
 
+  bool operator==(const SampleSignature&) const = default;
   uint64_t pack() const;
   static SampleSignature unpack(uint64_t bits);
 };

@@ -117,7 +117,8 @@ class ArrayKernel {
     std::vector<Wave> waves;
     for (uint32_t i = 0; i < padded / 16; ++i) waves.push_back({0xffff, i});
     const PrimRecord prim{nullptr, 0, static_cast<uint32_t>(waves.size())};
-    runner_->run(&draw, nullptr, &prim, 1, waves.data());
+    ThreadContext thread{};
+    runner_->run(&draw, &thread, &prim, 1, waves.data());
     for (auto& array : out) array.resize(count);
     return out;
   }

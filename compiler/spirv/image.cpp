@@ -98,6 +98,8 @@ VkFormat vulkan_format(spv::ImageFormat format) {
 
 VkImageViewType view_type(const ImageType& image) {
   switch (image.dim) {
+    case spv::DimBuffer:  // an image of one row
+      return VK_IMAGE_VIEW_TYPE_1D;
     case spv::Dim1D:
       return image.arrayed ? VK_IMAGE_VIEW_TYPE_1D_ARRAY : VK_IMAGE_VIEW_TYPE_1D;
     case spv::Dim3D:
@@ -109,7 +111,10 @@ VkImageViewType view_type(const ImageType& image) {
   }
 }
 
-uint32_t dimensions(const ImageType& image) { return image.dim == spv::Dim1D ? 1 : image.dim == spv::Dim2D ? 2 : 3; }
+uint32_t dimensions(const ImageType& image) {
+  if (image.dim == spv::Dim1D || image.dim == spv::DimBuffer) return 1;
+  return image.dim == spv::Dim2D ? 2 : 3;
+}
 
 const ImageType& image_type(Translator& t, const Instruction& inst, const Opaque& o) {
   if (o.image_type == 0) inst.fail("the operand is not an image");
@@ -205,6 +210,7 @@ Texel ask(Translator& t, const Instruction& inst, const SampleRequest& request) 
 
 SampleRequest request_for(Translator& t, const Instruction& inst, const Opaque& o, const ImageType& image) {
   if (image.storage) inst.fail("storage images cannot be sampled");
+  if (image.dim == spv::DimBuffer && o.has_sampler) inst.fail("a buffer has no sampler");
   SampleRequest r{.image = o.image, .sampler = o.has_sampler ? o.sampler : o.image};
   r.view_type = view_type(image);
   r.result = component_type(t, o);

@@ -141,7 +141,7 @@ class FakeStage final : public StageInterface {
       return out;
     }
     const auto part = [&](ir::Value v) { return v ? v : b.f32(0); };
-    return std::array<ir::Value, 4>{part(r.coord[0]), b.fadd(part(r.coord[1]), b.fmul(b.f32(10), part(r.coord[2]))), part(r.lod),
+    return std::array<ir::Value, 4>{part(r.coord[0]), b.fadd(part(r.coord[1]), b.fmul(b.f32(10), part(r.coord[2]))), part(r.lod ? r.lod : r.bias),
                                     part(r.depth_reference)};
   }
   std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const ImageQuery& q) override {

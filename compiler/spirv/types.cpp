@@ -63,10 +63,11 @@ void image(const Module& m, Type& t, const Instruction& inst) {
              .format = inst.word_as<spv::ImageFormat>(8)};
   if (texel.kind != TypeKind::kFloat && texel.kind != TypeKind::kInt) inst.fail("the sampled type must be a 32-bit number");
   if (inst.word(7) != 1 && inst.word(7) != 2) inst.fail("Sampled must be 1 or 2 in Vulkan");
+  const spv::Dim dim = t.image.dim;
   const bool known =
-      t.image.dim == spv::Dim1D || t.image.dim == spv::Dim2D || t.image.dim == spv::Dim3D || t.image.dim == spv::DimCube;
-  if (!known) inst.fail("only 1D, 2D, 3D and Cube images are supported");
-  if (t.image.dim == spv::Dim3D && t.image.arrayed) inst.fail("3D images cannot be arrayed");
+      dim == spv::Dim1D || dim == spv::Dim2D || dim == spv::Dim3D || dim == spv::DimCube || dim == spv::DimBuffer;
+  if (!known) inst.fail("only 1D, 2D, 3D, Cube and Buffer images are supported");
+  if ((dim == spv::Dim3D || dim == spv::DimBuffer) && t.image.arrayed) inst.fail("3D images and buffers cannot be arrayed");
 }
 
 }  // namespace
