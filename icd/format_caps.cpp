@@ -87,6 +87,10 @@ VkFormatProperties format_properties(VkFormat format) {
   if (!info) return {};
   VkFormatProperties properties{};
   properties.linearTilingFeatures = properties.optimalTilingFeatures = image_features(*info);  // both tilings are rows
+  if (info->is_plain() && !info->is_depth() && (info->uses & kUseSampled)) {
+    properties.bufferFeatures |= VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (is_storage_format(format)) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
+  }
   if (info->uses & kUseVertex) properties.bufferFeatures |= VK_FORMAT_FEATURE_VERTEX_BUFFER_BIT;
   return properties;
 }
@@ -96,14 +100,16 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  // Cube views cannot be sampled yet.
-  constexpr VkImageCreateFlags kFlags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT |
+  constexpr VkImageCreateFlags kFlags = VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT | VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT |
                                         VK_IMAGE_CREATE_EXTENDED_USAGE_BIT | VK_IMAGE_CREATE_ALIAS_BIT;
   if (query.flags & ~kFlags) return VK_ERROR_FORMAT_NOT_SUPPORTED;
+  const bool cube = (query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT) != 0;
+  if (cube && query.type != VK_IMAGE_TYPE_2D) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const VkFormatFeatureFlags features = image_features(*info);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  // Volumes are stored and copied; shaders cannot sample them yet.
-  if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kTransferUsage)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
+  // Volumes are stored, copied and sampled.
+  constexpr VkImageUsageFlags kVolumeUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT;
+  if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kVolumeUsage)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   out->maxExtent = max_extent(query);
   out->maxMipLevels = std::bit_width(out->maxExtent.width);
   out->maxArrayLayers = query.type == VK_IMAGE_TYPE_3D ? 1 : kLimits.maxImageArrayLayers;

@@ -9,22 +9,27 @@ namespace pineda::icd {
 constexpr VkPhysicalDeviceFeatures kFeatures = {
     .robustBufferAccess = VK_TRUE,   // each access is checked in the IR (ir.h, `limit` operand), whether enabled or not
     .fullDrawIndexUint32 = VK_TRUE,  // indices are never narrowed
+    .imageCubeArray = VK_TRUE,
     .independentBlend = VK_TRUE,     // blend state is part of the kernel, for each attachment
     .multiDrawIndirect = VK_TRUE,    // a loop in exec_draw.cpp
     .drawIndirectFirstInstance = VK_TRUE,
     .depthClamp = VK_TRUE,
     .depthBiasClamp = VK_TRUE,
+    .samplerAnisotropy = VK_TRUE,  // probes along the longer axis (kernels/sample_lod.cpp)
     .fragmentStoresAndAtomics = VK_TRUE,  // helper and uncovered lanes have no effects
     .shaderImageGatherExtended = VK_TRUE,
     .shaderUniformBufferArrayDynamicIndexing = VK_TRUE,
+    .shaderSampledImageArrayDynamicIndexing = VK_TRUE,  // kernels/sample_call.cpp
     .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
+    .shaderStorageImageArrayDynamicIndexing = VK_TRUE,
+    .shaderResourceMinLod = VK_TRUE,
 };
 
 constexpr VkPhysicalDeviceLimits kLimits = {
     .maxImageDimension1D = 16384,
     .maxImageDimension2D = 16384,
     .maxImageDimension3D = 2048,
-    .maxImageDimensionCube = 0,  // no cube images
+    .maxImageDimensionCube = 16384,
     .maxImageArrayLayers = 2048,
     .maxTexelBufferElements = 1u << 27,
     .maxUniformBufferRange = 65536,
@@ -69,7 +74,7 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxDrawIndexedIndexValue = 0xFFFFFFFFu,
     .maxDrawIndirectCount = 0xFFFFFFFFu,
     .maxSamplerLodBias = 16,
-    .maxSamplerAnisotropy = 1,
+    .maxSamplerAnisotropy = 16,  // kernels::kMaxAnisotropy
     .maxViewports = 1,
     .maxViewportDimensions = {16384, 16384},
     .viewportBoundsRange = {-32768, 32767},

@@ -1,5 +1,6 @@
 #include "icd/sampler.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "icd/api.h"
@@ -35,6 +36,7 @@ compiler::TextureState sampler_half(const VkSamplerCreateInfo& info) {
   state.address = {info.addressModeU, info.addressModeV, info.addressModeW};
   if (uses_border(info)) state.border = info.borderColor;  // otherwise one state for all border colours
   state.unnormalized = info.unnormalizedCoordinates;
+  state.anisotropy = info.anisotropyEnable && info.maxAnisotropy > 1;
   state.compare_enable = info.compareEnable;
   if (info.compareEnable) state.compare = info.compareOp;
   return state;
@@ -43,7 +45,6 @@ compiler::TextureState sampler_half(const VkSamplerCreateInfo& info) {
 }  // namespace
 
 VkResult Sampler::check(Device&, const VkSamplerCreateInfo& info) {
-  if (info.anisotropyEnable) return not_supported("vkCreateSampler: samplerAnisotropy is not supported");
   if (info.magFilter > VK_FILTER_LINEAR || info.minFilter > VK_FILTER_LINEAR)
     return not_supported("vkCreateSampler: unknown filter");
   for (const VkSamplerAddressMode mode : {info.addressModeU, info.addressModeV, info.addressModeW}) {
@@ -59,7 +60,7 @@ Sampler::Sampler(const Allocator& from, Device& device, const VkSamplerCreateInf
   descriptor_.lod_bias = info.mipLodBias;
   descriptor_.min_lod = info.minLod;
   descriptor_.max_lod = info.maxLod;
-  descriptor_.max_anisotropy = 1.0f;
+  descriptor_.max_anisotropy = info.anisotropyEnable ? std::clamp(info.maxAnisotropy, 1.0f, kLimits.maxSamplerAnisotropy) : 1.0f;
   if (uses_border(info)) fill_border(info.borderColor, descriptor_.border);
   descriptor_.state_id = device.texture_states.intern_sampler(sampler_half(info));
 }
