@@ -86,7 +86,7 @@ struct MipLevel {
 struct ImageDescriptor {
   uint64_t address;               // of the view's first level and layer
   uint32_t size_bytes;            // bytes that may be read from address on; 0 for a null image (reads give zero)
-  uint32_t width, height, depth;  // of the view's first level, texels
+  uint32_t width, height, depth;  // of the view's first level, texels; depth of a multisampled image: its samples
   uint32_t level_count, layer_count;
   uint32_t layer_pitch_bytes;
   uint32_t state_id;  // of the view's half of compiler::TextureState, for SampleCall; 0: never written, or null

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -82,6 +83,17 @@ struct FragmentState {
   bool depth_clamp = false;
 };
 
+// A VkSamplerYcbcrConversion.
+struct YcbcrState {
+  VkFormat format = VK_FORMAT_UNDEFINED;  // of two or three planes
+  VkSamplerYcbcrModelConversion model = VK_SAMPLER_YCBCR_MODEL_CONVERSION_RGB_IDENTITY;
+  VkSamplerYcbcrRange range = VK_SAMPLER_YCBCR_RANGE_ITU_FULL;
+  std::array<VkChromaLocation, 2> chroma_offset{};
+  VkFilter chroma_filter = VK_FILTER_NEAREST;
+  std::array<uint8_t, 4> swizzle{0, 1, 2, 3};  // as in TextureState; before the model's conversion
+  bool operator==(const YcbcrState&) const = default;
+};
+
 // What is bound to one image use: code depends on it, so a pipeline that samples is compiled when a draw first shows it.
 struct TextureState {
   VkFormat format = VK_FORMAT_UNDEFINED;
@@ -97,6 +109,7 @@ struct TextureState {
   VkSamplerReductionMode reduction = VK_SAMPLER_REDUCTION_MODE_WEIGHTED_AVERAGE;
   bool compare_enable = false;
   VkCompareOp compare = VK_COMPARE_OP_NEVER;
+  std::optional<YcbcrState> ycbcr;  // the sampler's; `format` is then that of the first plane
   bool operator==(const TextureState&) const = default;
 };
 

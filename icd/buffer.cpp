@@ -12,8 +12,6 @@ VkResult Buffer::check(Device&, const VkBufferCreateInfo& info) {
   constexpr VkBufferCreateFlags kSparse =
       VK_BUFFER_CREATE_SPARSE_BINDING_BIT | VK_BUFFER_CREATE_SPARSE_RESIDENCY_BIT | VK_BUFFER_CREATE_SPARSE_ALIASED_BIT;
   if (info.flags & kSparse) return not_supported("vkCreateBuffer: sparse buffers are not supported");
-  constexpr VkBufferUsageFlags kTexel = VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
-  if (info.usage & kTexel) return not_supported("vkCreateBuffer: texel buffers are not supported");
   return info.size <= memory_heap_bytes() ? VK_SUCCESS : VK_ERROR_OUT_OF_DEVICE_MEMORY;
 }
 

@@ -17,7 +17,7 @@ constexpr VkPhysicalDeviceVariablePointersFeatures kVariablePointers{
 constexpr VkPhysicalDeviceProtectedMemoryFeatures kProtectedMemory{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROTECTED_MEMORY_FEATURES};
 constexpr VkPhysicalDeviceSamplerYcbcrConversionFeatures kSamplerYcbcrConversion{
-    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES};
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES, .samplerYcbcrConversion = VK_TRUE};
 constexpr VkPhysicalDeviceShaderDrawParametersFeatures kShaderDrawParameters{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES};
 
@@ -26,6 +26,10 @@ constexpr VkPhysicalDeviceTimelineSemaphoreFeatures kTimelineSemaphore{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES, .timelineSemaphore = VK_TRUE};
 constexpr VkPhysicalDeviceHostQueryResetFeatures kHostQueryReset{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES, .hostQueryReset = VK_TRUE};
+constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT,
+    .customBorderColors = VK_TRUE,
+    .customBorderColorWithoutFormat = VK_TRUE};
 
 struct FeatureRow {
   VkStructureType type;
@@ -51,6 +55,7 @@ std::span<const FeatureRow> rows() {
       row(kShaderDrawParameters, kShaderDrawParameters.shaderDrawParameters),
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
+      row(kCustomBorderColor, kCustomBorderColor.customBorderColorWithoutFormat),
   };
   return kRows;
 }

@@ -34,10 +34,18 @@ bool is_storage_format(VkFormat format) {
   }
 }
 
+// Formats of several colour planes: sampled through a conversion with implicit reconstruction, copied plane by plane.
+constexpr VkFormatFeatureFlags kPlanarFeatures =
+    VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
+    VK_FORMAT_FEATURE_SAMPLED_IMAGE_YCBCR_CONVERSION_LINEAR_FILTER_BIT | VK_FORMAT_FEATURE_MIDPOINT_CHROMA_SAMPLES_BIT |
+    VK_FORMAT_FEATURE_COSITED_CHROMA_SAMPLES_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+
 VkFormatFeatureFlags image_features(const FormatInfo& format) {
+  if (format.plane_count() > 1 && !format.is_depth_or_stencil()) return kPlanarFeatures;
   VkFormatFeatureFlags features = 0;
   if (format.uses & kUseSampled) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
   if (format.uses & kUseLinear) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+  if ((format.uses & kUseLinear) && !format.is_integer()) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_MINMAX_BIT;
   if (format.uses & kUseColor) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
   if (format.uses & kUseBlend) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
   if (format.uses & kUseDepth) features |= VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;

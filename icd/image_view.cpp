@@ -8,26 +8,6 @@
 namespace pineda::icd {
 namespace {
 
-uint8_t swizzle(VkComponentSwizzle component, uint8_t identity) {
-  constexpr uint8_t kZero = 4, kOne = 5;  // compiler::TextureState::swizzle
-  switch (component) {
-    case VK_COMPONENT_SWIZZLE_ZERO:
-      return kZero;
-    case VK_COMPONENT_SWIZZLE_ONE:
-      return kOne;
-    case VK_COMPONENT_SWIZZLE_R:
-      return 0;
-    case VK_COMPONENT_SWIZZLE_G:
-      return 1;
-    case VK_COMPONENT_SWIZZLE_B:
-      return 2;
-    case VK_COMPONENT_SWIZZLE_A:
-      return 3;
-    default:
-      return identity;
-  }
-}
-
 bool is_two_dimensional(VkImageViewType type) {
   return type == VK_IMAGE_VIEW_TYPE_2D || type == VK_IMAGE_VIEW_TYPE_2D_ARRAY || type == VK_IMAGE_VIEW_TYPE_1D ||
          type == VK_IMAGE_VIEW_TYPE_1D_ARRAY;
@@ -82,8 +62,8 @@ compiler::TextureState view_half(const VkImageViewCreateInfo& info, VkFormat for
   state.format = format;
   state.view_type = info.viewType;
   state.single_level = level_count == 1;
-  state.swizzle = {swizzle(info.components.r, 0), swizzle(info.components.g, 1), swizzle(info.components.b, 2),
-                   swizzle(info.components.a, 3)};
+  state.swizzle = {swizzle_source(info.components.r, 0), swizzle_source(info.components.g, 1),
+                   swizzle_source(info.components.b, 2), swizzle_source(info.components.a, 3)};
   return state;
 }
 
@@ -92,6 +72,26 @@ VkImageAspectFlags shown_aspect(VkImageAspectFlags aspects) { return aspects & ~
 static_assert(VK_IMAGE_ASPECT_COLOR_BIT < VK_IMAGE_ASPECT_DEPTH_BIT && VK_IMAGE_ASPECT_DEPTH_BIT < VK_IMAGE_ASPECT_STENCIL_BIT);
 
 }  // namespace
+
+uint8_t swizzle_source(VkComponentSwizzle component, uint8_t identity) {
+  constexpr uint8_t kZero = 4, kOne = 5;  // compiler::TextureState::swizzle
+  switch (component) {
+    case VK_COMPONENT_SWIZZLE_ZERO:
+      return kZero;
+    case VK_COMPONENT_SWIZZLE_ONE:
+      return kOne;
+    case VK_COMPONENT_SWIZZLE_R:
+      return 0;
+    case VK_COMPONENT_SWIZZLE_G:
+      return 1;
+    case VK_COMPONENT_SWIZZLE_B:
+      return 2;
+    case VK_COMPONENT_SWIZZLE_A:
+      return 3;
+    default:
+      return identity;
+  }
+}
 
 VkResult ImageView::check(Device&, const VkImageViewCreateInfo& info) {
   const FormatInfo* format = find_format(info.format);
@@ -138,7 +138,7 @@ ImageView::ImageView(const Allocator& from_allocator, Device& device, const VkIm
   descriptor_.size_bytes = static_cast<uint32_t>(plane.layout.size_bytes - start_bytes);
   descriptor_.width = first.extent.width;
   descriptor_.height = first.extent.height;
-  descriptor_.depth = layers_are_slices_ ? 1 : first.extent.depth;
+  descriptor_.depth = layers_are_slices_ ? 1 : std::max(first.extent.depth, image_.sample_count);
   if (is_block_texel_view(image_, *find_format(info.format))) {
     descriptor_.width = first.columns;
     descriptor_.height = first.rows;
@@ -151,11 +151,23 @@ ImageView::ImageView(const Allocator& from_allocator, Device& device, const VkIm
     descriptor_.levels[i] = {level.offset_bytes - first.offset_bytes, level.row_pitch_bytes};
   }
   const FormatInfo& view_format = *find_format(info.format);
+  if (view_format.plane_count() > 1 && !view_format.is_depth_or_stencil()) show_planes(start);
   // A decoded copy may be shared by two formats: the view's own says how to read it.
   const VkFormat shown = view_format.is_plain()        ? info.format
                          : view_format.is_compressed() ? view_format.decoded
                                                        : plane.format->format;
   descriptor_.state_id = device.texture_states.intern_view(view_half(info, shown, level_count));
+}
+
+// The further planes of a view that is sampled through a YCbCr conversion: levels[p] is plane p (compiler/kernels/sample_ycbcr.h).
+void ImageView::show_planes(const uint8_t* start) {
+  for (uint32_t p = 1; p < image_.format.plane_count(); ++p) {
+    const ImagePlane& plane = image_.plane(p);
+    const uint8_t* at = image_.subresource(plane, base_level_, base_layer_);
+    const LevelLayout& level = plane.layout.level[base_level_];
+    descriptor_.levels[p] = {static_cast<uint32_t>(at - start), level.row_pitch_bytes};
+    descriptor_.size_bytes = static_cast<uint32_t>(at - start) + level.slice_pitch_bytes;
+  }
 }
 
 const ImagePlane& ImageView::shown_plane(const VkImageViewCreateInfo& info) const {

@@ -10,6 +10,9 @@
 
 namespace pineda::icd {
 
+// compiler::TextureState::swizzle of a component mapping.
+uint8_t swizzle_source(VkComponentSwizzle component, uint8_t identity);
+
 class ImageView : public Object {
  public:
   static VkResult check(Device& device, const VkImageViewCreateInfo& info);
@@ -29,6 +32,7 @@ class ImageView : public Object {
  private:
   raster::Attachment plane_attachment(const ImagePlane& plane, VkFormat format, uint32_t layer) const;
   const ImagePlane& shown_plane(const VkImageViewCreateInfo& info) const;
+  void show_planes(const uint8_t* start);
 
   const Image& image_;
   const VkFormat format_;

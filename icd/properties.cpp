@@ -61,6 +61,15 @@ void fill(VkPhysicalDeviceTimelineSemaphoreProperties& to) {
   to.maxTimelineSemaphoreValueDifference = ~uint64_t{0};  // all 64 bits are compared
 }
 
+// A colour is part of its sampler (sampler.cpp).
+void fill(VkPhysicalDeviceCustomBorderColorPropertiesEXT& to) { to.maxCustomBorderColorSamplers = kLimits.maxSamplerAllocationCount; }
+
+// Every format is reduced component by component, after its conversion to numbers.
+void fill(VkPhysicalDeviceSamplerFilterMinmaxProperties& to) {
+  to.filterMinmaxSingleComponentFormats = VK_TRUE;
+  to.filterMinmaxImageComponentMapping = VK_TRUE;
+}
+
 // The one table: structure type -> the function that fills it.
 struct PropertyRow {
   VkStructureType type;
@@ -82,6 +91,8 @@ constexpr PropertyRow kRows[] = {
     row<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES),
     // ---- extensions
     row<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES),
+    row<VkPhysicalDeviceCustomBorderColorPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_PROPERTIES_EXT),
+    row<VkPhysicalDeviceSamplerFilterMinmaxProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_FILTER_MINMAX_PROPERTIES),
     row<VkPhysicalDeviceTimelineSemaphoreProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_PROPERTIES),
 };
 

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/device.h"
 #include "icd/limits.h"
+#include "icd/ycbcr.h"
 
 namespace pineda::icd {
 namespace {
@@ -18,6 +21,17 @@ bool is_integer(VkBorderColor color) {
 bool uses_border(const VkSamplerCreateInfo& info) {
   constexpr VkSamplerAddressMode kBorder = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
   return info.addressModeU == kBorder || info.addressModeV == kBorder || info.addressModeW == kBorder;
+}
+
+bool is_custom(VkBorderColor color) {
+  return color == VK_BORDER_COLOR_FLOAT_CUSTOM_EXT || color == VK_BORDER_COLOR_INT_CUSTOM_EXT;
+}
+
+// The words are kept as they come: the view's format says what kind of number they are.
+void fill_custom_border(const VkSamplerCreateInfo& info, float (&to)[4]) {
+  const auto* custom = find_in_chain<VkSamplerCustomBorderColorCreateInfoEXT>(
+      info.pNext, VK_STRUCTURE_TYPE_SAMPLER_CUSTOM_BORDER_COLOR_CREATE_INFO_EXT);
+  if (custom) std::memcpy(to, &custom->customBorderColor, sizeof(to));
 }
 
 void fill_border(VkBorderColor color, float (&to)[4]) {
@@ -39,6 +53,12 @@ compiler::TextureState sampler_half(const VkSamplerCreateInfo& info) {
   state.anisotropy = info.anisotropyEnable && info.maxAnisotropy > 1;
   state.compare_enable = info.compareEnable;
   if (info.compareEnable) state.compare = info.compareOp;
+  const auto* reduction = find_in_chain<VkSamplerReductionModeCreateInfo>(
+      info.pNext, VK_STRUCTURE_TYPE_SAMPLER_REDUCTION_MODE_CREATE_INFO);
+  if (reduction) state.reduction = reduction->reductionMode;
+  const auto* conversion =
+      find_in_chain<VkSamplerYcbcrConversionInfo>(info.pNext, VK_STRUCTURE_TYPE_SAMPLER_YCBCR_CONVERSION_INFO);
+  if (conversion) state.ycbcr = from(conversion->conversion)->state();
   return state;
 }
 
@@ -48,9 +68,9 @@ VkResult Sampler::check(Device&, const VkSamplerCreateInfo& info) {
   if (info.magFilter > VK_FILTER_LINEAR || info.minFilter > VK_FILTER_LINEAR)
     return not_supported("vkCreateSampler: unknown filter");
   for (const VkSamplerAddressMode mode : {info.addressModeU, info.addressModeV, info.addressModeW}) {
-    if (mode > VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER) return not_supported("vkCreateSampler: unknown address mode");
+    if (mode > VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) return not_supported("vkCreateSampler: unknown address mode");
   }
-  if (uses_border(info) && info.borderColor > VK_BORDER_COLOR_INT_OPAQUE_WHITE) {
+  if (uses_border(info) && info.borderColor > VK_BORDER_COLOR_INT_OPAQUE_WHITE && !is_custom(info.borderColor)) {
     return not_supported("vkCreateSampler: unknown border colour");
   }
   return VK_SUCCESS;
@@ -61,7 +81,11 @@ Sampler::Sampler(const Allocator& from, Device& device, const VkSamplerCreateInf
   descriptor_.min_lod = info.minLod;
   descriptor_.max_lod = info.maxLod;
   descriptor_.max_anisotropy = info.anisotropyEnable ? std::clamp(info.maxAnisotropy, 1.0f, kLimits.maxSamplerAnisotropy) : 1.0f;
-  if (uses_border(info)) fill_border(info.borderColor, descriptor_.border);
+  if (uses_border(info) && is_custom(info.borderColor)) {
+    fill_custom_border(info, descriptor_.border);
+  } else if (uses_border(info)) {
+    fill_border(info.borderColor, descriptor_.border);
+  }
   descriptor_.state_id = device.texture_states.intern_sampler(sampler_half(info));
 }
 
@@ -73,14 +97,5 @@ VkResult api::CreateSampler(VkDevice device, const VkSamplerCreateInfo* info, co
 void api::DestroySampler(VkDevice device, VkSampler sampler, const VkAllocationCallbacks* callbacks) {
   destroy_device_object(device, sampler, callbacks);
 }
-
-// samplerYcbcrConversion is not advertised, so no valid call exists.
-VkResult api::CreateSamplerYcbcrConversion(VkDevice, const VkSamplerYcbcrConversionCreateInfo*, const VkAllocationCallbacks*,
-                                           VkSamplerYcbcrConversion* out) {
-  *out = VK_NULL_HANDLE;
-  return not_supported("vkCreateSamplerYcbcrConversion: YCbCr conversion is not supported");
-}
-
-void api::DestroySamplerYcbcrConversion(VkDevice, VkSamplerYcbcrConversion, const VkAllocationCallbacks*) {}
 
 }  // namespace pineda::icd

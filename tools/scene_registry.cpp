@@ -5,6 +5,7 @@
 
 #include "tools/bench/bench_scenes.h"
 #include "tools/error.h"
+#include "tools/scenes/sampling.h"
 #include "tools/scenes/scenes.h"
 
 namespace pineda::tools {
@@ -17,6 +18,19 @@ constexpr SceneInfo kScenes[] = {
     {"blend", "Blending", "Overlapping translucent quads", make_blend_scene, nullptr},
     {"cubes", "Cubes", "1,000 instanced cubes with depth", make_cubes_scene, nullptr},
     {"mandelbrot", "Mandelbrot", "Compute shader into a storage buffer", make_mandelbrot_scene, nullptr},
+    {"filtering", "Filtering", "A texture from magnified to its smallest level, trilinear",
+     [] { return make_sampling_scene(SamplingKind::kFiltering); }, nullptr},
+    {"receding-plane", "Receding plane", "A plane up to its horizon, anisotropic 16",
+     [] { return make_sampling_scene(SamplingKind::kRecedingPlane); }, nullptr},
+    {"cube-seams", "Cube seams", "Edges and a corner of a cube map of 4x4 texels",
+     [] { return make_sampling_scene(SamplingKind::kCubeSeams); }, nullptr},
+    {"borders", "Borders", "A texture beyond its edges: address modes and border colours",
+     [] { return make_sampling_scene(SamplingKind::kBorders); }, nullptr},
+    {"volume", "Volume", "Slanted cuts through a 3D texture", [] { return make_sampling_scene(SamplingKind::kVolume); }, nullptr},
+    {"shadow-map", "Shadow map", "Filtered comparisons, 3x3",
+     [] { return make_sampling_scene(SamplingKind::kShadowMap); }, nullptr},
+    {"gathers", "Gathers", "The four texels of a footprint, with offsets",
+     [] { return make_sampling_scene(SamplingKind::kGathers); }, nullptr},
     {"milktruck", "Milk truck", "CesiumMilkTruck, glTF with a texture", nullptr,
      PINEDA_ASSIMP_MODELS "glTF/CesiumMilkTruck/CesiumMilkTruck.gltf"},
     {"duck", "Duck", "The Collada duck, textured", nullptr, PINEDA_ASSIMP_MODELS "Collada/duck.dae"},

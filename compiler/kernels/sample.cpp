@@ -3,6 +3,7 @@
 #include "base/abi.h"
 #include "compiler/kernels/concat.h"
 #include "compiler/kernels/sample_filter.h"
+#include "compiler/kernels/sample_ycbcr.h"
 #include "compiler/kernels/stage.h"
 
 namespace pineda::kernels {
@@ -75,6 +76,10 @@ Channels fetch(Builder& b, const SampleSource& source, const SampleRequest& requ
     index[a] = b.iadd(request.coord[a], b.i32(static_cast<uint32_t>(request.offset[a])));
     inside = b.and_(inside, b.ult(index[a], view.size[a].texels));
   }
+  if (request.sample) {  // samples follow each other as slices do
+    inside = b.and_(inside, b.ult(request.sample, image_word(b, source.image, offsetof(ImageDescriptor, depth))));
+    index[2] = request.sample;
+  }
   reader.check(inside);
   Value offset = b.iadd(reader.row_offset(view, index[1], index[2]), reader.column_offset(index[0]));
   if (layer_offset) offset = b.iadd(offset, layer_offset);
@@ -106,6 +111,7 @@ Result<Channels> sample_image(Builder& b, const SampleSource& source, const Samp
   if (!format) return std::unexpected(format.error());
   if (ir::size_bytes(request.result) != 4) return compile_error("Only 32-bit sampling results are supported.");
   const Uncontracted uncontracted(b);
+  if (source.state.ycbcr) return sample_ycbcr(b, source, request);
   if (request.lod_mode == LodMode::kFetch) return to_type(b, request.result, fetch(b, source, request, **format));
   Filter filter(b, source, with_gradients(b, request, axis_count(request.view_type)), **format);
   return to_type(b, request.result, request.gather_component >= 0 ? filter.gather() : filter.sample());
@@ -118,7 +124,7 @@ Result<Channels> query_image(Builder& b, Value image, const spirv::ImageQuery& q
     case Kind::kLevels:
       return Channels{image_word(b, image, offsetof(ImageDescriptor, level_count)), zero, zero, zero};
     case Kind::kSamples:
-      return Channels{one, zero, zero, zero};
+      return Channels{image_word(b, image, offsetof(ImageDescriptor, depth)), zero, zero, zero};
     case Kind::kSize: {
       Channels size{image_word(b, image, offsetof(ImageDescriptor, width)), image_word(b, image, offsetof(ImageDescriptor, height)),
                     image_word(b, image, offsetof(ImageDescriptor, depth)),

@@ -119,7 +119,6 @@ uint32_t dimensions(const ImageType& image) {
 const ImageType& image_type(Translator& t, const Instruction& inst, const Opaque& o) {
   if (o.image_type == 0) inst.fail("the operand is not an image");
   const ImageType& image = t.m.type(o.image_type).image;
-  if (image.multisampled) inst.fail("multisampled images are not supported");
   return image;
 }
 
@@ -210,6 +209,7 @@ Texel ask(Translator& t, const Instruction& inst, const SampleRequest& request) 
 
 SampleRequest request_for(Translator& t, const Instruction& inst, const Opaque& o, const ImageType& image) {
   if (image.storage) inst.fail("storage images cannot be sampled");
+  if (image.multisampled && o.has_sampler) inst.fail("multisampled images have no sampler");
   if (image.dim == spv::DimBuffer && o.has_sampler) inst.fail("a buffer has no sampler");
   SampleRequest r{.image = o.image, .sampler = o.has_sampler ? o.sampler : o.image};
   r.view_type = view_type(image);
@@ -318,6 +318,7 @@ void fetch(Translator& t, const Instruction& inst) {
   r.coord = coordinates(t, inst, 4, dimensions(image) + (image.arrayed ? 1 : 0), false);
   const Operands operands = read_operands(t, inst, 5, ir::Type::kI32);
   r.lod_mode = LodMode::kFetch;
+  if (image.multisampled != static_cast<bool>(operands.sample)) inst.fail("Sample goes with multisampled images");
   r.lod = operands.lod ? operands.lod : t.b.i32(0);
   r.offset = operands.offset;
   if (operands.dynamic_offset[0]) inst.fail("only gathers have offsets that are not constant");
@@ -333,6 +334,7 @@ ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_wo
   const Opaque o = t.opaque(inst, image_word);
   const ImageType& image = image_type(t, inst, o);
   if (!image.storage) inst.fail("the image is not a storage image");
+  if (image.multisampled) inst.fail("multisampled storage images are not supported");
   ImageAccess a{.image = o.image};
   a.view_type = view_type(image);
   a.format = vulkan_format(image.format);

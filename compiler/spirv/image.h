@@ -10,6 +10,6 @@ using Texel = std::array<ir::Value, 4>;
 VkImageViewType view_type(const ImageType& image);
 uint32_t dimensions(const ImageType& image);  // coordinates of one layer; a cube's direction has 3
 const ImageType& image_type(Translator& t, const Instruction& inst,
-                            const Opaque& o);  // fails when it is no image, or multisampled
+                            const Opaque& o);  // fails when it is no image
 
 }  // namespace pineda::spirv

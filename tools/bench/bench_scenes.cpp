@@ -4,6 +4,7 @@
 
 #include "tools/bench/grid_scenes.h"
 #include "tools/bench/layer_scenes.h"
+#include "tools/scenes/sampling.h"
 
 namespace pineda::tools {
 
@@ -12,11 +13,17 @@ std::span<const BenchScene> bench_scenes() {
   constexpr VkExtent2D kFullHd{1920, 1080}, kHd{1280, 720};
   const auto layers = [](LayerKind kind, uint32_t count) { return [=] { return make_layer_scene(kind, count); }; };
   const auto mesh = [](const LitMeshOptions& options) { return [=] { return make_lit_mesh_scene(options); }; };
+  const auto sampling = [](SamplingKind kind) { return [=] { return make_sampling_scene(kind); }; };
   static const std::vector<BenchScene> scenes{
       {"tiny-draw", "lit mesh of 1,024 triangles, 128x128", {128, 128}, mesh({.columns = 32, .rows = 16})},
       {"opaque-layers", "8 opaque colour layers", kFullHd, layers(LayerKind::kOpaque, 8)},
       {"blended-layers", "8 blended layers", kFullHd, layers(LayerKind::kBlended, 8)},
       {"trilinear-layers", "4 trilinear layers", kFullHd, layers(LayerKind::kTrilinear, 4)},
+      {"bilinear-upscale", "bilinear upscaling from 240x135", kFullHd, sampling(SamplingKind::kUpscale)},
+      {"anisotropic", "receding plane, anisotropic 16", kFullHd, sampling(SamplingKind::kRecedingPlane)},
+      {"shadow-filter", "shadow map with a 3x3 filter", kFullHd, sampling(SamplingKind::kShadowMap)},
+      {"lookup-table", "3D table lookup", kFullHd, sampling(SamplingKind::kLookupTable)},
+      {"blur", "9-tap blur", kFullHd, sampling(SamplingKind::kBlur)},
       {"lit-layers", "16 lit layers front to back", kHd, layers(LayerKind::kLitFrontToBack, 16)},
       {"tiny-triangles", "1 M tiny triangles with depth", kFullHd, mesh({.columns = 1000, .rows = 500})},
       {"lit-mesh", "262 k triangle lit mesh", kHd, mesh({.columns = 512, .rows = 256})},

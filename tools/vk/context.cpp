@@ -121,8 +121,15 @@ void VkContext::create_device() {
                                            .queueFamilyIndex = queue_family_,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-  const VkDeviceCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue_info};
+  // What scenes use, where the driver has it.
+  VkPhysicalDeviceFeatures available;
+  vkGetPhysicalDeviceFeatures(physical_device_, &available);
+  const VkPhysicalDeviceFeatures features{.samplerAnisotropy = available.samplerAnisotropy,
+                                          .shaderImageGatherExtended = available.shaderImageGatherExtended};
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue_info,
+                                .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_device_, &info, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 

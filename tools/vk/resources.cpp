@@ -9,6 +9,12 @@ constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkMemoryPropertyFlags kHostMemory = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
+VkImageAspectFlags aspect_of(VkFormat format) {
+  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+}  // namespace
+
 MemoryHandle allocate(VkContext& context, const VkMemoryRequirements& requirements, VkMemoryPropertyFlags wanted) {
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                   .allocationSize = requirements.size,
@@ -17,12 +23,6 @@ MemoryHandle allocate(VkContext& context, const VkMemoryRequirements& requiremen
   check(vkAllocateMemory(context.device(), &info, nullptr, &memory), "vkAllocateMemory");
   return {context.device(), memory};
 }
-
-VkImageAspectFlags aspect_of(VkFormat format) {
-  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
-}
-
-}  // namespace
 
 Buffer create_buffer(VkContext& context, VkDeviceSize size_bytes, VkBufferUsageFlags usage) {
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size_bytes, .usage = usage};

@@ -12,6 +12,8 @@
 
 namespace pineda::tools {
 
+MemoryHandle allocate(VkContext& context, const VkMemoryRequirements& requirements, VkMemoryPropertyFlags wanted);
+
 struct Buffer {  // host-visible and mapped for its whole life: the drivers compared here run on the CPU
   BufferHandle handle;
   MemoryHandle memory;
