@@ -53,7 +53,7 @@ TEST(IcdDescriptor, PoolCountsDescriptorsAndSets) {
 
 TEST(IcdDescriptor, UnsupportedTypesAreRefused) {
   DescriptorFixture f;
-  for (const VkDescriptorType type : {VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER}) {
+  for (const VkDescriptorType type : {VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, VK_DESCRIPTOR_TYPE_MUTABLE_EXT}) {
     const VkDescriptorSetLayoutBinding binding{0, type, 1, VK_SHADER_STAGE_ALL, nullptr};
     const VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0, 1, &binding};
     VkDescriptorSetLayout out;
