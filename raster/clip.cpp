@@ -8,9 +8,20 @@ namespace pineda::raster {
 namespace {
 
 constexpr uint32_t kPoolVertices = 3 + 2 * kMaxClipPlanes;
+constexpr uint32_t kFirstDistance = __builtin_ctz(kClipDistances);  // planes are numbered like the bits of the codes
+constexpr uint32_t kPlaneEnd = kFirstDistance + kMaxClipDistances;
+
+}  // namespace
+
+bool Clipper::is_plane(uint32_t plane) const {
+  if (plane >= kFirstDistance) return plane < kFirstDistance + outputs_->clip_count;
+  const uint32_t code = 1u << plane;
+  return code != kClipDrop && (viewport_->clip_depth || !(code & (kClipNear | kClipFar)));
+}
 
 // Signed distance, >= 0 inside. v: x y z w.
-float distance(uint32_t plane, const ViewportTransform& t, const float* v) {
+float Clipper::distance(uint32_t plane, const float* v) const {
+  const ViewportTransform& t = *viewport_;
   switch (1u << plane) {
     case kClipW:
       return v[3] - kMinW;
@@ -24,13 +35,16 @@ float distance(uint32_t plane, const ViewportTransform& t, const float* v) {
       return t.guard_x_max * v[3] - v[0];
     case kClipTop:
       return v[1] - t.guard_y_min * v[3];
-    default:
+    case kClipBottom:
       return t.guard_y_max * v[3] - v[1];
+    default:
+      return v[outputs_->clip_distance + plane - kFirstDistance];
   }
 }
 
 // Puts a cut exactly on its plane: what rounding left over could be a whole screen after the division by a small w.
-void snap_to_plane(uint32_t plane, const ViewportTransform& t, float* v) {
+void Clipper::snap_to_plane(uint32_t plane, float* v) const {
+  const ViewportTransform& t = *viewport_;
   switch (1u << plane) {
     case kClipW:
       v[3] = kMinW;
@@ -50,22 +64,32 @@ void snap_to_plane(uint32_t plane, const ViewportTransform& t, float* v) {
     case kClipTop:
       v[1] = t.guard_y_min * v[3];
       break;
-    default:
+    case kClipBottom:
       v[1] = t.guard_y_max * v[3];
+      break;
+    default:
+      v[outputs_->clip_distance + plane - kFirstDistance] = 0;
       break;
   }
 }
 
-}  // namespace
+// Where the edge between two vertices meets the plane.
+const float* Clipper::cut(uint32_t plane, const float* inside, const float* outside, float d_inside, float d_outside) {
+  const float t = d_inside / (d_inside - d_outside);
+  float* v = pool_.data() + pool_used_++ * slots_;
+  for (size_t s = 0; s < slots_; ++s) v[s] = inside[s] + t * (outside[s] - inside[s]);
+  snap_to_plane(plane, v);
+  return v;
+}
 
-void Clipper::clip_plane(uint32_t plane, const ViewportTransform& viewport, uint32_t slots) {
+void Clipper::clip_polygon(uint32_t plane) {
   const float* in[kMaxClipVertices + 1];
   float d[kMaxClipVertices + 1];
   const uint32_t n = count_;
   bool any_outside = false;
   for (uint32_t i = 0; i < n; ++i) {
     in[i] = polygon_[i];
-    d[i] = distance(plane, viewport, in[i]);
+    d[i] = distance(plane, in[i]);
     any_outside |= !(d[i] >= 0);
   }
   if (!any_outside) return;
@@ -75,28 +99,44 @@ void Clipper::clip_plane(uint32_t plane, const ViewportTransform& viewport, uint
     const bool i_inside = d[i] >= 0, j_inside = d[j] >= 0;
     if (i_inside && count_ <= kMaxClipVertices) polygon_[count_++] = in[i];
     if (i_inside == j_inside || count_ > kMaxClipVertices || pool_used_ == kPoolVertices) continue;
-    const uint32_t inside = i_inside ? i : j, outside = i_inside ? j : i;
-    const float t = d[inside] / (d[inside] - d[outside]);
-    float* cut = pool_.data() + size_t{pool_used_++} * slots;
-    for (uint32_t s = 0; s < slots; ++s) cut[s] = in[inside][s] + t * (in[outside][s] - in[inside][s]);
-    snap_to_plane(plane, viewport, cut);
-    polygon_[count_++] = cut;
+    polygon_[count_++] = i_inside ? cut(plane, in[i], in[j], d[i], d[j]) : cut(plane, in[j], in[i], d[j], d[i]);
   }
 }
 
-uint32_t Clipper::clip(const ViewportTransform& viewport, uint32_t slots, const float* const vertex[3]) {
-  pool_.resize(size_t{kPoolVertices} * slots);
-  for (uint32_t i = 0; i < 3; ++i) {
-    float* v = pool_.data() + size_t{i} * slots;
-    for (uint32_t s = 0; s < slots; ++s) v[s] = vertex[i][s * kLanes];
+void Clipper::load(const Draw& draw, const ViewportTransform& viewport, const float* const* vertex, uint32_t count) {
+  viewport_ = &viewport;
+  outputs_ = &draw.packet.outputs;
+  slots_ = draw.packet.vertex_slots;
+  pool_.resize(kPoolVertices * slots_);
+  for (uint32_t i = 0; i < count; ++i) {
+    float* v = pool_.data() + i * slots_;
+    for (size_t s = 0; s < slots_; ++s) v[s] = vertex[i][s * kLanes];
     polygon_[i] = v;
   }
-  count_ = pool_used_ = 3;
-  for (uint32_t plane = 0; plane < kMaxClipPlanes && count_ >= 3; ++plane) {
-    if (!viewport.clip_depth && ((1u << plane) & (kClipNear | kClipFar))) continue;
-    clip_plane(plane, viewport, slots);
+  count_ = count;
+  pool_used_ = 3;
+}
+
+uint32_t Clipper::clip_triangle(const Draw& draw, const ViewportTransform& viewport, uint32_t codes,
+                                const float* const vertex[3]) {
+  load(draw, viewport, vertex, 3);
+  for (uint32_t plane = 0; plane < kPlaneEnd && count_ >= 3; ++plane) {
+    if ((codes >> plane & 1) && is_plane(plane)) clip_polygon(plane);
   }
   if (count_ > kMaxClipVertices || count_ < 3) count_ = 0;
+  return count_;
+}
+
+uint32_t Clipper::clip_line(const Draw& draw, const ViewportTransform& viewport, uint32_t codes, const float* const vertex[2]) {
+  load(draw, viewport, vertex, 2);
+  for (uint32_t plane = 0; plane < kPlaneEnd; ++plane) {
+    if (!(codes >> plane & 1) || !is_plane(plane)) continue;
+    const float d0 = distance(plane, polygon_[0]), d1 = distance(plane, polygon_[1]);
+    const bool inside0 = d0 >= 0, inside1 = d1 >= 0;
+    if (!inside0 && !inside1) return count_ = 0;
+    if (!inside0) polygon_[0] = cut(plane, polygon_[1], polygon_[0], d1, d0);
+    if (!inside1) polygon_[1] = cut(plane, polygon_[0], polygon_[1], d0, d1);
+  }
   return count_;
 }
 

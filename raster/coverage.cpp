@@ -38,12 +38,84 @@ TileCover make_small_edges(__m128i x, __m128i y, bool clockwise, int32_t last, T
   return (_mm_movemask_ps(_mm_castsi128_ps(varies)) & 7) == 0 ? TileCover::kFull : TileCover::kPartial;
 }
 
+// The edges of a record in 64 bits: inside where a * (x - x0) + b * (y - y0) + c >= 0.
+struct EdgeList {
+  struct Edge {
+    int32_t a, b, x0, y0;
+    int64_t c;
+  };
+  Edge edge[4];
+  int count = 0;
+
+  explicit EdgeList(const Triangle& t) {
+    switch (t.shape()) {
+      case Shape::kTriangle:
+        for (int k = 0; k < 3; ++k) add_side(t, t.x_fx8[k], t.y_fx8[k], t.x_fx8[(k + 1) % 3], t.y_fx8[(k + 1) % 3]);
+        break;
+      case Shape::kParallelogram: {
+        const int32_t x[4] = {t.x_fx8[0], t.x_fx8[1], t.x_fx8[1] + t.x_fx8[2] - t.x_fx8[0], t.x_fx8[2]};
+        const int32_t y[4] = {t.y_fx8[0], t.y_fx8[1], t.y_fx8[1] + t.y_fx8[2] - t.y_fx8[0], t.y_fx8[2]};
+        for (int k = 0; k < 4; ++k) add_side(t, x[k], y[k], x[(k + 1) % 4], y[(k + 1) % 4]);
+        break;
+      }
+      case Shape::kPixelLineX:
+      case Shape::kPixelLineY:
+        add_pixel_line(t);
+        break;
+    }
+  }
+
+ private:
+  void add_side(const Triangle& t, int32_t px, int32_t py, int32_t qx, int32_t qy) {
+    const bool clockwise = (t.provoking_and_flags & Triangle::kClockwise) != 0;
+    const int32_t a = clockwise ? py - qy : qy - py, b = clockwise ? qx - px : px - qx;
+    const bool top_left = a > 0 || (a == 0 && b > 0);
+    edge[count++] = {a, b, px, py, top_left ? 0 : -1};
+  }
+
+  // Half a pixel to both sides of the line, along the minor axis. Centres exactly between two pixels: bresenham.h.
+  void add_pixel_line(const Triangle& t) {
+    const bool is_x = t.shape() == Shape::kPixelLineX;
+    int32_t dx = t.x_fx8[1] - t.x_fx8[0], dy = t.y_fx8[1] - t.y_fx8[0];
+    if ((is_x ? dx : dy) < 0) {
+      dx = -dx;
+      dy = -dy;
+    }
+    // F = a * (x - x0) + b * (y - y0) is the pixel's distance from the line along the minor axis, times `major`.
+    const int32_t major = is_x ? dx : dy, a = is_x ? -dy : dy, b = is_x ? dx : -dx;
+    const bool high_side = is_x && dy > 0;  // of two pixels equally near the line takes the one at the higher row
+    const int64_t half = int64_t{major} * (kSubpixels / 2);
+    edge[count++] = {a, b, t.x_fx8[0], t.y_fx8[0], half - (high_side ? 1 : 0)};
+    edge[count++] = {-a, -b, t.x_fx8[0], t.y_fx8[0], half - (high_side ? 0 : 1)};
+  }
+};
+
+// (x_fx8, y_fx8): centre of the tile's first pixel; `last`: pixels to its last.
+TileCover make_wide_edges(const EdgeList& list, int32_t x_fx8, int32_t y_fx8, int64_t last, TileEdges& edges) {
+  edges = {};
+  bool full = true;
+  for (int k = 0; k < list.count; ++k) {
+    const auto& [a, b, x0, y0, c0] = list.edge[k];
+    const int64_t c = (int64_t{a} * (x_fx8 - x0) + int64_t{b} * (y_fx8 - y0) + c0) >> 8;
+    const int64_t highest = c + last * (std::max(a, 0) + std::max(b, 0));
+    const int64_t lowest = c + last * (std::min(a, 0) + std::min(b, 0));
+    if (highest < 0) return TileCover::kNone;
+    if (lowest >= 0) continue;  // holds on the whole tile
+    full = false;
+    edges.a[k] = a;
+    edges.b[k] = b;
+    edges.c[k] = static_cast<int32_t>(c);
+  }
+  return full ? TileCover::kFull : TileCover::kPartial;
+}
+
 }  // namespace
 
 TileCover make_tile_edges(const Triangle& tri, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges) {
-  const bool clockwise = (tri.provoking_and_flags & Triangle::kClockwise) != 0;
   // Centre of the tile's first pixel.
   const int32_t x_fx8 = tile_x_px * kSubpixels + kSubpixels / 2, y_fx8 = tile_y_px * kSubpixels + kSubpixels / 2;
+  if (tri.shape() != Shape::kTriangle) return make_wide_edges(EdgeList(tri), x_fx8, y_fx8, size_px - 1, edges);
+  const bool clockwise = (tri.provoking_and_flags & Triangle::kClockwise) != 0;
   const __m128i x = _mm_sub_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(tri.x_fx8)), _mm_set1_epi32(x_fx8));
   const __m128i y = _mm_sub_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(tri.y_fx8)), _mm_set1_epi32(y_fx8));
   // All vertices within two tiles of the first pixel, and so within 2^15; and within 2^14 of each other.
@@ -55,25 +127,25 @@ TileCover make_tile_edges(const Triangle& tri, int32_t tile_x_px, int32_t tile_y
   if ((_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(far, wide))) & 7) == 0)
     return make_small_edges(x, y, clockwise, size_px - 1, edges);
 
-  bool full = true;
-  for (int k = 0; k < 3; ++k) {
-    const int n = k == 2 ? 0 : k + 1;
-    const int32_t dx = tri.x_fx8[n] - tri.x_fx8[k], dy = tri.y_fx8[k] - tri.y_fx8[n];
-    const int32_t a = clockwise ? dy : -dy, b = clockwise ? dx : -dx;
-    const bool top_left = a > 0 || (a == 0 && b > 0);
-    const int64_t e = int64_t{a} * (x_fx8 - tri.x_fx8[k]) + int64_t{b} * (y_fx8 - tri.y_fx8[k]) - (top_left ? 0 : 1);
-    const int64_t c = e >> 8;
-    const int64_t last = size_px - 1;
-    const int64_t highest = c + last * (std::max(a, 0) + std::max(b, 0));
-    const int64_t lowest = c + last * (std::min(a, 0) + std::min(b, 0));
-    if (highest < 0) return TileCover::kNone;
-    const bool holds = lowest >= 0;
-    full &= holds;
-    edges.a[k] = holds ? 0 : a;
-    edges.b[k] = holds ? 0 : b;
-    edges.c[k] = holds ? 0 : static_cast<int32_t>(c);
+  return make_wide_edges(EdgeList(tri), x_fx8, y_fx8, size_px - 1, edges);
+}
+
+Rect pixel_rect(const Triangle& t) {
+  const int32_t(&x)[3] = t.x_fx8, (&y)[3] = t.y_fx8;
+  switch (t.shape()) {
+    case Shape::kTriangle:
+      return pixel_bounds(x[0], x[1], x[2], y[0], y[1], y[2]);
+    case Shape::kParallelogram: {
+      const int32_t x3 = x[1] + x[2] - x[0], y3 = y[1] + y[2] - y[0];
+      const Rect r = pixel_bounds(x[0], x[1], x[2], y[0], y[1], y[2]), s = pixel_bounds(x[0], x[1], x3, y[0], y[1], y3);
+      return {std::min(r.x0, s.x0), std::min(r.y0, s.y0), std::max(r.x1, s.x1), std::max(r.y1, s.y1)};
+    }
+    case Shape::kPixelLineX:  // at most half a pixel and the tie above and below the line, which goes on to the last column's centre
+      return {x[2], (std::min(y[0], y[1]) >> 8) - 1, y[2], (std::max(y[0], y[1]) >> 8) + 2};
+    case Shape::kPixelLineY:
+      return {(std::min(x[0], x[1]) >> 8) - 1, x[2], (std::max(x[0], x[1]) >> 8) + 2, y[2]};
   }
-  return full ? TileCover::kFull : TileCover::kPartial;
+  return {};
 }
 
 uint32_t rect_lanes(const Rect& rect, int32_t x_px, int32_t y_px) {
@@ -127,8 +199,8 @@ inline uint32_t part_sign_mask(Part v) { return _mm512_movepi32_mask((__m512i)v)
 }  // namespace
 
 const CoverageFunctions& coverage_functions(Isa isa) {
-  static constexpr CoverageFunctions kSse42{sse42::cover, sse42::cover_small}, kAvx2{avx2::cover, avx2::cover_small},
-      kAvx512{avx512::cover, avx512::cover_small};
+  static constexpr CoverageFunctions kSse42{sse42::cover<3>, sse42::cover<4>, sse42::cover_small},
+      kAvx2{avx2::cover<3>, avx2::cover<4>, avx2::cover_small}, kAvx512{avx512::cover<3>, avx512::cover<4>, avx512::cover_small};
   switch (isa) {
     case Isa::kAvx512:
       return kAvx512;

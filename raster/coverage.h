@@ -22,12 +22,16 @@ namespace pineda::raster {
 
 // Value of edge k at pixel (X, Y) of the tile: c[k] + a[k] * X + b[k] * Y; the pixel is inside when all are >= 0.
 struct TileEdges {
-  alignas(16) int32_t a[4], b[4], c[4];  // the fourth is never read
+  alignas(16) int32_t a[4], b[4], c[4];  // the fourth is for parallelograms only
 };
+
+// Pixels that a record may cover: for pixel lines, all those between its ends.
+Rect pixel_rect(const Triangle& record);
 
 enum class TileCover { kNone, kPartial, kFull };
 
-// `size_px` <= 64. kFull: all pixels of the tile are covered. Edges that hold on the whole tile come out as 0.
+// `size_px` <= 64. kFull: all pixels of the tile are covered. Edges that hold on the whole tile come out as 0. Of pixel lines
+// only the edges along the line are here; pixel_rect() has the ends.
 TileCover make_tile_edges(const Triangle& triangle, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px, TileEdges& edges);
 
 // Blocks of a tile are numbered in Morton order: bit 2i of the number is bit i of the block's column, bit 2i + 1 of its row; 16
@@ -52,11 +56,13 @@ struct alignas(64) SmallGroup {
   int32_t block[4][16];  // their numbers in the tile
   float planes[4][16];   // FragmentPrim::l1_dx, l1_dy, l2_dx, l2_dy
 };
+// ... and says nothing of records that are no triangles.
 using CoverSmallFn = void (*)(const Triangle* const* triangles, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px,
                               SmallGroup& group);
 
 struct CoverageFunctions {
-  CoverFn cover;
+  CoverFn cover;                // three edges
+  CoverFn cover_parallelogram;  // four
   CoverSmallFn cover_small;
 };
 const CoverageFunctions& coverage_functions(Isa isa);

@@ -23,17 +23,42 @@ class GeometryWorker {
  private:
   void run_batch(const Draw& draw, uint64_t first, uint32_t count);
   void run_clear(const Draw& draw, uint64_t first, uint32_t count);
-  void clip_triangle(const Draw& draw, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
-  void begin_clip_batch(const Draw& draw);
 
-  // Vertices of the current batch in window space, and its number.
+  // Vertices of a batch: its number, their records and window coordinates.
   struct BatchView {
     const WindowVertices* window;
+    const float* vertices;
+    uint32_t slots;  // of a record
     uint32_t batch;
+    uint32_t viewport;
+    const float* vertex(uint32_t v) const { return vertices + size_t{v / kLanes} * slots * kLanes + v % kLanes; }
   };
+  // What the lines and points of a primitive have in common.
+  struct Outline {
+    uint32_t primitive_id;
+    uint16_t provoking;
+    bool front;
+    float depth_bias;
+  };
+
+  void primitive(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
+  void clip(const Draw& draw, uint32_t viewport, uint32_t primitive_id, uint32_t codes, std::array<const float*, 3> vertex);
+  void setup_clipped(const Draw& draw, const BatchView& view, uint32_t primitive_id, uint16_t first, uint32_t count,
+                     uint16_t provoking);
+  BatchView add_clipped(const Draw& draw, uint32_t viewport, uint32_t count, const float* extra, uint16_t& first);
+  void begin_clip_batch(const Draw& draw, uint32_t viewport);
+
   // Culls, fills a record and bins it. `facing`: 0 or the sign that the triangle's area must have (pieces of a clipped triangle).
   void setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
              int facing);
+  // Polygon modes LINE and POINT: the sides or corners of a polygon of vertices [first, first + count) or of v.
+  void setup_outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, std::span<const uint16_t> v,
+                     uint16_t provoking);
+  void bin(const Draw& draw, const BatchView& view, const Triangle& record);
+
+  // line_setup.cpp
+  void setup_line(const Draw& draw, const BatchView& view, uint16_t a, uint16_t b, const Outline& outline);
+  void setup_point(const Draw& draw, const BatchView& view, uint16_t v, const Outline& outline);
 
   Chunk* chunk_ = nullptr;
   Binner binner_;
@@ -45,7 +70,7 @@ class GeometryWorker {
   static constexpr uint32_t kClipBatchVertices = 512;
   const Draw* clip_draw_ = nullptr;
   float* clip_vertices_ = nullptr;
-  uint32_t clip_used_ = 0, clip_batch_ = 0;
+  uint32_t clip_used_ = 0, clip_batch_ = 0, clip_viewport_ = 0;
   WindowVertices clip_window_;
 };
 

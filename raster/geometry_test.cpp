@@ -37,15 +37,49 @@ uint64_t total(const Target& target) {
 
 // ---- input assembly -------------------------------------------------------------------------------------------------------
 
+std::vector<uint32_t> vertices_of_primitive(VkPrimitiveTopology topology, bool last, uint32_t i) {
+  const std::array<uint32_t, 3> v = primitive_vertices(topology, last, i);
+  return {v.begin(), v.begin() + vertices_of(find_topology(topology)->kind)};
+}
+
+// "Primitive Topologies": the vertices of primitive i and, for VK_EXT_provoking_vertex, which of them comes first here.
 TEST(Assemble, TopologiesMatchTheSpecification) {
-  using V = std::array<uint32_t, 3>;
-  EXPECT_EQ(primitive_vertices(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, 2), (V{6, 7, 8}));
-  EXPECT_EQ(primitive_vertices(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 0), (V{0, 1, 2}));
-  EXPECT_EQ(primitive_vertices(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 1), (V{1, 3, 2}));
-  EXPECT_EQ(primitive_vertices(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, 3), (V{4, 5, 0}));
-  EXPECT_EQ(primitive_count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, 8), 2u);
-  EXPECT_EQ(primitive_count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 2), 0u);
-  EXPECT_EQ(primitive_count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, 5), 3u);
+  using V = std::vector<uint32_t>;
+  const struct {
+    VkPrimitiveTopology topology;
+    uint32_t i;
+    V first, last;
+  } kCases[] = {
+      {VK_PRIMITIVE_TOPOLOGY_POINT_LIST, 5, {5}, {5}},
+      {VK_PRIMITIVE_TOPOLOGY_LINE_LIST, 2, {4, 5}, {4, 5}},
+      {VK_PRIMITIVE_TOPOLOGY_LINE_STRIP, 2, {2, 3}, {2, 3}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, 2, {6, 7, 8}, {8, 6, 7}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 0, {0, 1, 2}, {2, 0, 1}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 1, {1, 3, 2}, {3, 2, 1}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, 3, {4, 5, 0}, {5, 0, 4}},
+      {VK_PRIMITIVE_TOPOLOGY_LINE_LIST_WITH_ADJACENCY, 1, {5, 6}, {5, 6}},
+      {VK_PRIMITIVE_TOPOLOGY_LINE_STRIP_WITH_ADJACENCY, 1, {2, 3}, {2, 3}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST_WITH_ADJACENCY, 1, {6, 8, 10}, {10, 6, 8}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP_WITH_ADJACENCY, 0, {0, 2, 4}, {4, 0, 2}},
+      {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP_WITH_ADJACENCY, 1, {2, 6, 4}, {6, 4, 2}},
+  };
+  for (const auto& c : kCases) {
+    EXPECT_EQ(vertices_of_primitive(c.topology, false, c.i), c.first) << c.topology;
+    EXPECT_EQ(vertices_of_primitive(c.topology, true, c.i), c.last) << c.topology;
+  }
+  const auto count = [](VkPrimitiveTopology topology, uint64_t vertices) {
+    return primitive_count(*find_topology(topology), vertices);
+  };
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_POINT_LIST, 8), 8u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_LINE_LIST, 7), 3u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_LINE_STRIP, 7), 6u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, 8), 2u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, 2), 0u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, 5), 3u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_LINE_LIST_WITH_ADJACENCY, 9), 2u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_LINE_STRIP_WITH_ADJACENCY, 5), 2u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST_WITH_ADJACENCY, 13), 2u);
+  EXPECT_EQ(count(VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP_WITH_ADJACENCY, 9), 2u);
 }
 
 TEST(Assemble, RestartBeginsANewStrip) {
@@ -54,8 +88,13 @@ TEST(Assemble, RestartBeginsANewStrip) {
   packet.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
   packet.index = {indices, sizeof(indices), VK_INDEX_TYPE_UINT8_EXT};
   packet.count = sizeof(indices);
-  using V = std::array<uint32_t, 3>;
-  EXPECT_EQ(restart_primitives(packet), (std::vector<V>{{0, 1, 2}, {1, 3, 2}, {8, 9, 10}}));
+  const std::vector<RestartPrimitive> primitives = restart_primitives(packet);
+  ASSERT_EQ(primitives.size(), 3u);
+  const std::array<uint32_t, 3> expected[3] = {{0, 1, 2}, {1, 3, 2}, {8, 9, 10}};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(primitives[i].vertex, expected[i]);
+    EXPECT_EQ(primitives[i].begins, i != 1);
+  }
 }
 
 TEST(Assemble, IndicesOfEveryTypeAndPastTheEnd) {
@@ -117,7 +156,9 @@ TEST(Assemble, HostileIndicesAndCountsAreHarmless) {
   std::vector<uint32_t> indices(500);
   for (uint32_t& i : indices) i = rng();
   for (const VkPrimitiveTopology topology :
-       {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN}) {
+       {VK_PRIMITIVE_TOPOLOGY_LINE_LIST, VK_PRIMITIVE_TOPOLOGY_LINE_STRIP, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+        VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, VK_PRIMITIVE_TOPOLOGY_LINE_STRIP_WITH_ADJACENCY,
+        VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP_WITH_ADJACENCY}) {
     for (const bool restart : {false, true}) {
       TestDraw draw(4, count_kernel);
       draw.add({0, 0, 0.5f, 1});
@@ -225,6 +266,9 @@ TEST(Clip, VerticesStayInsideAndSharedEdgesAgree) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> d(-3, 3);
   const ViewportTransform t = make_viewport_transform({0, 0, 640, 480, 0, 1}, true);
+  Draw draw;
+  draw.packet.vertex_slots = 5;
+  constexpr uint32_t kAllPlanes = kClipDrop - 1;
   int crossing = 0;
   for (int i = 0; i < 3000; ++i) {
     float storage[4][5 * kLanes];
@@ -235,7 +279,7 @@ TEST(Clip, VerticesStayInsideAndSharedEdgesAgree) {
     const float* left[3] = {storage[0], storage[1], storage[2]};
     const float* right[3] = {storage[3], storage[2], storage[1]};
     Clipper a, b;
-    const uint32_t na = a.clip(t, 5, left), nb = b.clip(t, 5, right);
+    const uint32_t na = a.clip_triangle(draw, t, kAllPlanes, left), nb = b.clip_triangle(draw, t, kAllPlanes, right);
     for (uint32_t k = 0; k < na; ++k) {
       const float* v = a.vertex(k);
       // Every plane holds up to the rounding of the cut by a later plane: relative to w a few ulp.

@@ -19,6 +19,8 @@ namespace pineda::raster {
 // that.
 inline constexpr int32_t kSubpixels = 256;
 inline constexpr float kGuardMinPx = -16384, kGuardMaxPx = 32768;
+inline constexpr float kMinPointSize = 1, kMaxPointSize = 1024;  // VkPhysicalDeviceLimits::pointSizeRange
+inline constexpr float kMaxLineWidth = 256;                      // lineWidthRange
 inline constexpr int32_t kMinFx8 = (-16384 - 1) * kSubpixels;  // one pixel of slack for the rounding of clipped coordinates
 inline constexpr int32_t kMaxFx8 = (32768 + 1) * kSubpixels;
 
@@ -137,6 +139,12 @@ ViewportTransform make_viewport_transform(const VkViewport& viewport, bool clip_
 // How a draw's depth test bounds what it can pass.
 enum class HiZMode : uint8_t { kNone, kLess, kGreater };
 
+// A primitive of a draw with primitive restart.
+struct RestartPrimitive {
+  std::array<uint32_t, 3> vertex;  // positions from the draw's first index on
+  bool begins;                     // the first of its strip
+};
+
 // What a primitive's vertices make, before polygon modes.
 enum class PrimitiveKind : uint8_t { kPoint, kLine, kTriangle };
 
@@ -150,7 +158,7 @@ struct Draw {
   const ViewportTransform& viewport_at(uint32_t i) const { return i == 0 ? viewport : viewports[i]; }
   const Rect& rect_at(uint32_t i) const { return i == 0 ? rect : rects[i]; }
   uint64_t prims_per_instance = 0;
-  std::vector<std::array<uint32_t, 3>> restart_prims;  // positions in the index buffer of each primitive, when restart is on
+  std::vector<RestartPrimitive> restart_prims;  // when restart is on
   HiZMode hi_z = HiZMode::kNone;
   VkFormat depth_format = VK_FORMAT_UNDEFINED;  // of the pass, for depth bias
   bool writes_depth = false;
@@ -194,6 +202,10 @@ struct alignas(64) Triangle {
   uint16_t vertex[3];            // in the batch
   uint16_t provoking_and_flags;  // vertex in the batch, and:
   static constexpr uint16_t kFront = 0x8000, kClockwise = 0x4000, kShapeBit = 12, kProvokingMask = 0x0FFF;
+  void set_flags(uint16_t provoking, bool front, bool clockwise, Shape shape) {
+    provoking_and_flags = static_cast<uint16_t>(provoking | (front ? kFront : 0) | (clockwise ? kClockwise : 0) |
+                                                static_cast<uint32_t>(shape) << kShapeBit);
+  }
   Shape shape() const { return static_cast<Shape>(provoking_and_flags >> kShapeBit & 3); }
 };
 static_assert(sizeof(Triangle) == 64);

@@ -102,24 +102,26 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
 }
 
 void Pass::State::record(const DrawPacket& packet) {
+  const TopologyInfo& topology = *find_topology(packet.topology);
   const Rect rect = intersect(to_rect(packet.scissor), scene.grid.area);
   uint64_t vertices = packet.count;
-  if (packet.index.address) {  // triangles of indices past the buffer's end only have no area
+  if (packet.index.address) {  // of the primitives whose indices are all past the buffer's end one is as good as all
     const uint64_t index_bytes = packet.index.type == VK_INDEX_TYPE_UINT32   ? 4
                                  : packet.index.type == VK_INDEX_TYPE_UINT16 ? 2
                                                                              : 1;
     const uint64_t in_buffer = packet.index.size_bytes / index_bytes;
-    vertices = std::min<uint64_t>(vertices, (in_buffer > packet.first ? in_buffer - packet.first : 0) + 3);
+    vertices = std::min<uint64_t>(vertices, (in_buffer > packet.first ? in_buffer - packet.first : 0) + topology.vertices);
   }
-  if (vertices < 3 || packet.instance_count == 0 || (rect.empty() && !packet.has_side_effects)) return;
+  if (vertices < topology.vertices || packet.instance_count == 0 || (rect.empty() && !packet.has_side_effects)) return;
   Draw& draw = workspace->draws.append();
   draw.packet = packet;
   draw.packet.count = static_cast<uint32_t>(vertices);
+  draw.kind = topology.kind;
   if (packet.primitive_restart && packet.index.address) {
     draw.restart_prims = restart_primitives(draw.packet);
     draw.prims_per_instance = draw.restart_prims.size();
   } else {
-    draw.prims_per_instance = primitive_count(packet.topology, vertices);
+    draw.prims_per_instance = primitive_count(topology, vertices);
   }
   draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clip);
   draw.rect = rect;
@@ -141,7 +143,7 @@ Pass::~Pass() = default;
 
 void Pass::draw(const DrawPacket& packet) {
   ++state_->statistics.draws;
-  if (!is_supported_topology(packet.topology)) {
+  if (!find_topology(packet.topology)) {
     report(Severity::kError, "raster: topology " + std::to_string(packet.topology) + " is not supported; the draw is left out");
     return;
   }

@@ -294,7 +294,7 @@ TEST(Pass, RefusesOtherTopologies) {
   Target target(32, 32);
   TestDraw draw(4, count_kernel);
   for (int i = 0; i < 3; ++i) draw.add({0, 0, 0.5f, 1});
-  draw.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
+  draw.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST;
   ThreadPool pool(1);
   Pass pass(pool, target.desc(), test_options());
   pass.draw(draw.packet(32, 32));

@@ -6,6 +6,14 @@ namespace {
 // Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded
 // twice.
 void fill_planes(const Triangle& t, FragmentPrim& p) {
+  if (t.shape() >= Shape::kPixelLineX) {  // l1: the projection on the line
+    const double dx = t.x_fx8[1] - t.x_fx8[0], dy = t.y_fx8[1] - t.y_fx8[0];
+    const double per_px = kSubpixels / (dx * dx + dy * dy);
+    p.l1_dx = static_cast<float>(dx * per_px);
+    p.l1_dy = static_cast<float>(dy * per_px);
+    p.l2_dx = p.l2_dy = 0;
+    return;
+  }
   const double x1 = t.x_fx8[1] - t.x_fx8[0], y1 = t.y_fx8[1] - t.y_fx8[0];
   const double x2 = t.x_fx8[2] - t.x_fx8[0], y2 = t.y_fx8[2] - t.y_fx8[0];
   const double per_px = kSubpixels / (x1 * y2 - y1 * x2);
@@ -196,7 +204,7 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
 
 // Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
 uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
-  const Rect box = pixel_bounds(t.x_fx8[0], t.x_fx8[1], t.x_fx8[2], t.y_fx8[0], t.y_fx8[1], t.y_fx8[2]);
+  const Rect box = pixel_rect(t);
   const Rect r =
       intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
@@ -205,16 +213,18 @@ uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
   const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
   const BlockRange range{block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
   const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
-  const uint32_t count = coverage_->cover(edges, range, tile_xy_px, waves_ + wave_count_);
-  return draw_rect_full_ ? count : cut_to_rect(count);
+  const CoverFn cover = t.shape() == Shape::kParallelogram ? coverage_->cover_parallelogram : coverage_->cover;
+  const uint32_t count = cover(edges, range, tile_xy_px, waves_ + wave_count_);
+  if (t.shape() >= Shape::kPixelLineX) return cut_to_rect(r, count);  // its ends
+  return draw_rect_full_ ? count : cut_to_rect(draw_rect_, count);
 }
 
-uint32_t TileWorker::cut_to_rect(uint32_t count) {
+uint32_t TileWorker::cut_to_rect(const Rect& rect, uint32_t count) {
   FragmentWave* const waves = waves_ + wave_count_;
   uint32_t kept = 0;
   for (uint32_t i = 0; i < count; ++i) {
     FragmentWave wave = waves[i];
-    wave.coverage &= rect_lanes(draw_rect_, wave.x_px - position_.x_px, wave.y_px - position_.y_px);
+    wave.coverage &= rect_lanes(rect, wave.x_px - position_.x_px, wave.y_px - position_.y_px);
     waves[kept] = wave;
     kept += wave.coverage != 0;
   }
@@ -299,10 +309,10 @@ void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch
   if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
   FragmentPrim& prim = prims_[prim_count_];
   uint32_t count;
-  if (group_.small >> i & 1) {
+  if ((group_.small >> i & 1) && triangle.shape() == Shape::kTriangle) {
     if ((group_.masks[0][i] | group_.masks[1][i] | group_.masks[2][i] | group_.masks[3][i]) == 0) return;
     count = put_small(i);
-    if (!draw_rect_full_) count = cut_to_rect(count);
+    if (!draw_rect_full_) count = cut_to_rect(draw_rect_, count);
     if (count == 0) return;
     prim.l1_dx = group_.planes[0][i];
     prim.l1_dy = group_.planes[1][i];
@@ -314,7 +324,7 @@ void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch
     fill_planes(triangle, prim);
   }
   fill_prim(triangle, batch, prim);
-  if (wants_hi_z(count)) {
+  if (wants_hi_z(count) && triangle.shape() < Shape::kPixelLineX) {  // whose depths go on past their ends
     count = reject_hidden(count, prim);
     if (count == 0) return;
   }

@@ -44,7 +44,7 @@ class TileWorker {
   uint32_t put_small(uint32_t i);
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   uint32_t find_blocks(const Triangle& triangle, bool covers);
-  uint32_t cut_to_rect(uint32_t count);
+  uint32_t cut_to_rect(const Rect& rect, uint32_t count);
   uint32_t reject_hidden(uint32_t count, const FragmentPrim& prim);
   bool wants_hi_z(uint32_t count);
   template <class Each>

@@ -57,13 +57,27 @@ inline __m128i transform_four(const ViewportTransform& t, const float* p, Window
   return _mm_or_si128(code, _mm_and_si128(drop, _mm_set1_epi32(kClipDrop)));
 }
 
+// Adds the bits of clip and cull distances of 16 vertices. NaN is outside.
+void code_distances(const VertexOutputs& outputs, const float* wave, uint16_t* codes) {
+  const auto add = [&](uint32_t slot, uint32_t bit) {
+    for (uint32_t lane = 0; lane < kLanes; ++lane) {
+      if (!(wave[slot * kLanes + lane] >= 0)) codes[lane] |= static_cast<uint16_t>(kClipDistances << bit);
+    }
+  };
+  for (uint32_t i = 0; i < outputs.clip_count; ++i) add(outputs.clip_distance + i, i);
+  for (uint32_t i = 0; i < outputs.cull_count; ++i) add(outputs.cull_distance + i, outputs.clip_count + i);
+}
+
 }  // namespace
 
-void transform_wave(const ViewportTransform& viewport, const float* wave, WindowVertices& out, uint32_t first) {
+void transform_wave(const ViewportTransform& viewport, const VertexOutputs& outputs, const float* wave, WindowVertices& out,
+                    uint32_t first) {
   __m128i codes[4];
   for (uint32_t q = 0; q < 4; ++q) codes[q] = transform_four(viewport, wave + q * 4, out, first + q * 4);
   const __m128i low = _mm_packus_epi32(codes[0], codes[1]), high = _mm_packus_epi32(codes[2], codes[3]);
-  _mm_store_si128(reinterpret_cast<__m128i*>(out.code + first), _mm_packus_epi16(low, high));
+  _mm_store_si128(reinterpret_cast<__m128i*>(out.code + first), low);
+  _mm_store_si128(reinterpret_cast<__m128i*>(out.code + first + 8), high);
+  if (outputs.clip_count + outputs.cull_count != 0) [[unlikely]] code_distances(outputs, wave, out.code + first);
 }
 
 inline uint16_t VertexBatch::add_vertex(uint32_t index, uint32_t instance) {
@@ -103,15 +117,18 @@ void VertexBatch::assemble_indexed_list(const Draw& draw, const IndexReader& rea
 void VertexBatch::assemble_run(const Draw& draw, uint32_t instance, uint64_t first, uint32_t count, uint32_t out) {
   const DrawPacket& packet = draw.packet;
   const IndexReader reader(packet.index);
-  const bool list = packet.topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  if (list && reader.indexed() && draw.restart_prims.empty()) {
+  const bool list = find_topology(packet.topology)->is_list;
+  if (packet.topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST && reader.indexed() && draw.restart_prims.empty() &&
+      !packet.provoking_last) {
     assemble_indexed_list(draw, reader, instance, first, count, out);
     return;
   }
+  const uint32_t n = vertices_of(draw.kind);
   for (uint32_t i = 0; i < count; ++i) {
     const auto p = static_cast<uint32_t>(first + i);
-    const std::array<uint32_t, 3> v = draw.restart_prims.empty() ? primitive_vertices(packet.topology, p) : draw.restart_prims[p];
-    for (uint32_t k = 0; k < 3; ++k) {
+    const std::array<uint32_t, 3> v = draw.restart_prims.empty() ? primitive_vertices(packet.topology, packet.provoking_last, p)
+                                                                 : draw.restart_prims[p].vertex;
+    for (uint32_t k = 0; k < n; ++k) {
       if (reader.indexed()) {
         const uint32_t index = reader.read(uint64_t{packet.first} + v[k]) + static_cast<uint32_t>(packet.vertex_offset);
         prims_[out + i][k] = find_or_add(index, instance);
@@ -155,7 +172,7 @@ uint32_t VertexBatch::shade(const Draw& draw, uint64_t first, uint32_t count, Ch
   }
   const PrimRecord record{nullptr, 0, wave_count};
   draw.packet.vertex(draw.packet.context, &context, &record, 1, waves_);
-  for (uint32_t i = 0; i < wave_count; ++i) transform_wave(draw.viewport, vertices_ + i * wave_floats, window_, i * kLanes);
+  for (uint32_t i = 0; i < wave_count; ++i) transform_wave(draw.viewport, draw.packet.outputs, vertices_ + i * wave_floats, window_, i * kLanes);
   return vertex_count_;
 }
 

@@ -14,7 +14,8 @@ inline constexpr uint32_t kBatchPrims = 512;
 inline constexpr uint32_t kBatchVertices = 3 * kBatchPrims;
 inline constexpr uint32_t kBatchWaves = kBatchVertices / kLanes;
 
-enum ClipCode : uint8_t {  // a set bit: outside of this plane
+// A set bit: outside of this plane. Bits from kClipDistances on: a clip distance below 0; behind them the same for cull distances.
+enum ClipCode : uint16_t {
   kClipNear = 1,
   kClipFar = 2,
   kClipW = 4,
@@ -22,7 +23,8 @@ enum ClipCode : uint8_t {  // a set bit: outside of this plane
   kClipRight = 16,
   kClipTop = 32,
   kClipBottom = 64,
-  kClipDrop = 128  // not finite, or too far away for fixed point: triangles with such a vertex are dropped
+  kClipDrop = 128,  // not finite, or too far away for fixed point: primitives with such a vertex are dropped
+  kClipDistances = 256
 };
 
 // The smallest w that is not clipped away: its reciprocal is still finite.
@@ -34,23 +36,25 @@ struct WindowVertices {
   alignas(64) int32_t y_fx8[kBatchVertices];
   alignas(64) float z[kBatchVertices];
   alignas(64) float iw[kBatchVertices];
-  alignas(64) uint8_t code[kBatchVertices];
+  alignas(64) uint16_t code[kBatchVertices];
 };
 
 // Transforms a wave of 16 vertices: clip coordinates are slots 0 to 3 at `wave`; results go to elements [first, first + 16). Only
-// elements whose code is 0 are meaningful.
-void transform_wave(const ViewportTransform& viewport, const float* wave, WindowVertices& out, uint32_t first);
+// elements whose code has only cull distances are meaningful.
+void transform_wave(const ViewportTransform& viewport, const VertexOutputs& outputs, const float* wave, WindowVertices& out,
+                    uint32_t first);
 
 // Assembles and shades batches; one per thread.
 class VertexBatch {
  public:
-  // Shades the vertices of `count` primitives from `first` on (numbered through the instances) and fills prims with indices of
+  // Shades and transforms (to the first viewport) the vertices of `count` primitives from `first` on (numbered through the instances) and fills prims with indices of
   // vertices of the batch. count <= kBatchPrims. Returns the number of vertices.
   uint32_t shade(const Draw& draw, uint64_t first, uint32_t count, Chunk& chunk, ThreadContext& context);
 
   const float* vertices() const { return vertices_; }
   const WindowVertices& window() const { return window_; }
-  std::array<uint16_t, 3> prim(uint32_t i) const { return prims_[i]; }
+  // Vertices of primitive i: as many as its kind has.
+  const std::array<uint16_t, 3>& prim(uint32_t i) const { return prims_[i]; }
 
  private:
   // Post-transform cache: direct mapped, so that a mesh with local indices never collides with itself and a collision only costs
