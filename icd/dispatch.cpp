@@ -4,6 +4,7 @@
 #include <array>
 
 #include "icd/api.h"
+#include "icd/wsi/platform_api.h"
 
 namespace pineda::icd {
 namespace {
@@ -15,6 +16,8 @@ auto make_table() {
 #define PINEDA_GLOBAL(name) CommandEntry{"vk" #name, erase(&api::name), Level::kGlobal, Gate::kCore},
 #define PINEDA_INSTANCE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kInstance, Gate::gate},
 #define PINEDA_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, Gate::gate},
+#define PINEDA_PLATFORM_INSTANCE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kInstance, Gate::gate},
+#define PINEDA_PLATFORM_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, Gate::gate},
 #define PINEDA_DEVICE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kDevice, Gate::gate},
 #define PINEDA_COMMAND(name) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, Gate::kCore},
 #define PINEDA_ALIAS(alias, name, level, gate) CommandEntry{"vk" #alias, erase(&api::name), Level::level, Gate::gate},

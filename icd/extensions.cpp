@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "icd/wsi/platform_api.h"
+
 namespace pineda::icd {
 namespace {
 

@@ -1,7 +1,9 @@
 // VK_KHR_get_memory_requirements2 and VK_KHR_bind_memory2, core in 1.1: the commands of 1.0 with chains.
 #include "icd/api.h"
 #include "icd/chain.h"
+#include "icd/image.h"
 #include "icd/object.h"
+#include "icd/wsi/swapchain.h"
 
 namespace pineda::icd {
 namespace {
@@ -39,6 +41,12 @@ VkResult api::BindBufferMemory2(VkDevice device, uint32_t count, const VkBindBuf
 
 VkResult api::BindImageMemory2(VkDevice device, uint32_t count, const VkBindImageMemoryInfo* infos) {
   for (uint32_t i = 0; i < count; ++i) {
+    const auto* chain = find_in_chain<VkBindImageMemorySwapchainInfoKHR>(infos[i].pNext,
+                                                                         VK_STRUCTURE_TYPE_BIND_IMAGE_MEMORY_SWAPCHAIN_INFO_KHR);
+    if (chain && chain->swapchain) {
+      from(infos[i].image)->bind(from(chain->swapchain)->memory(chain->imageIndex));
+      continue;
+    }
     const VkResult result = BindImageMemory(device, infos[i].image, infos[i].memory, infos[i].memoryOffset);
     if (result != VK_SUCCESS) return result;
   }

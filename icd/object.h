@@ -49,6 +49,8 @@ PINEDA_HANDLE(DescriptorPool, VkDescriptorPool)
 PINEDA_HANDLE(DescriptorSet, VkDescriptorSet)
 PINEDA_HANDLE(DescriptorUpdateTemplate, VkDescriptorUpdateTemplate)
 PINEDA_HANDLE(SamplerYcbcrConversion, VkSamplerYcbcrConversion)
+PINEDA_HANDLE(Surface, VkSurfaceKHR)
+PINEDA_HANDLE(Swapchain, VkSwapchainKHR)
 PINEDA_HANDLE(CommandPool, VkCommandPool)
 PINEDA_HANDLE(DebugMessenger, VkDebugUtilsMessengerEXT)
 #undef PINEDA_HANDLE

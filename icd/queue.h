@@ -14,16 +14,23 @@ struct SemaphoreOperation {
   uint64_t value;  // of a timeline
 };
 
-// One VkSubmitInfo.
+struct Presentation {
+  Swapchain* swapchain;
+  uint32_t image;
+};
+
+// One VkSubmitInfo, or a VkPresentInfoKHR.
 struct Work {
   explicit Work(const Allocator& from)
       : waits(HostAllocator<SemaphoreOperation>(&from)),
         commands(HostAllocator<const CommandBuffer*>(&from)),
-        signals(HostAllocator<SemaphoreOperation>(&from)) {}
+        signals(HostAllocator<SemaphoreOperation>(&from)),
+        presentations(HostAllocator<Presentation>(&from)) {}
 
   HostVector<SemaphoreOperation> waits;
   HostVector<const CommandBuffer*> commands;
   HostVector<SemaphoreOperation> signals;
+  HostVector<Presentation> presentations;
   Fence* fence = nullptr;
   uint64_t sequence = 0;  // among all submissions of the device
 };

@@ -10,6 +10,7 @@
 #include "icd/device.h"
 #include "icd/fence.h"
 #include "icd/semaphore.h"
+#include "icd/wsi/swapchain.h"
 
 namespace pineda::icd {
 namespace {
@@ -106,6 +107,40 @@ VkResult Scheduler::submit(Queue& queue, std::span<const VkSubmitInfo> batches, 
   return device_.lost() ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;
 }
 
+// The results are what is known before the images are shown; what the window system says then is told by the next acquisition.
+VkResult Scheduler::present(Queue& queue, const VkPresentInfoKHR& info) {
+  if (device_.lost()) return VK_ERROR_DEVICE_LOST;
+  const VkSubmitInfo batch{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                           .waitSemaphoreCount = info.waitSemaphoreCount,
+                           .pWaitSemaphores = info.pWaitSemaphores};
+  Work work(device_.allocator);
+  for (uint32_t i = 0; i < info.swapchainCount; ++i) {
+    work.presentations.push_back({from(info.pSwapchains[i]), info.pImageIndices[i]});
+  }
+  std::unique_lock lock(mutex_);
+  const bool now = can_start_now(queue, {&batch, 1});
+  if (!now) push_locked(queue, {&batch, 1}, nullptr);
+  VkResult worst = VK_SUCCESS;
+  for (uint32_t i = 0; i < info.swapchainCount; ++i) {
+    const VkResult result = work.presentations[i].swapchain->queue_image(work.presentations[i].image);
+    if (info.pResults) info.pResults[i] = result;
+    worst = std::min(worst, result);
+  }
+  if (!now) {
+    queue.pending_.back().presentations = std::move(work.presentations);
+    lock.unlock();
+    changed_.notify_all();
+    return worst;
+  }
+  for (uint32_t i = 0; i < info.waitSemaphoreCount; ++i) from(info.pWaitSemaphores[i])->consume();
+  running_ = queue.busy_ = true;
+  lock.unlock();
+  show(work.presentations);
+  lock.lock();
+  finish_locked(queue, nullptr);
+  return worst;
+}
+
 // Everything that can fail comes before the queue changes.
 void Scheduler::push_locked(Queue& queue, std::span<const VkSubmitInfo> batches, Fence* fence) {
   if (!worker_.joinable()) {
@@ -157,6 +192,7 @@ void Scheduler::run_front_locked(Queue& queue, std::unique_lock<std::mutex>& loc
   running_ = queue.busy_ = true;
   lock.unlock();
   execute(queue, work.commands);
+  show(work.presentations);
   lock.lock();
   for (const SemaphoreOperation& signal : work.signals) signal.semaphore->signal(signal.value);
   finish_locked(queue, work.fence);
@@ -176,6 +212,10 @@ void Scheduler::execute(Queue& queue, std::span<const CommandBuffer* const> comm
     queue.executor_.abandon();
     device_.lose(e.what());
   }
+}
+
+void Scheduler::show(std::span<const Presentation> presentations) noexcept {
+  for (const Presentation& presentation : presentations) presentation.swapchain->show(presentation.image);
 }
 
 // A fence is signalled only when the baton is down again: who has waited for it must find the queue idle, or its next small

@@ -27,6 +27,7 @@ class Scheduler {
   ~Scheduler();  // finishes what can start
 
   VkResult submit(Queue& queue, std::span<const VkSubmitInfo> batches, Fence* fence);
+  VkResult present(Queue& queue, const VkPresentInfoKHR& info);
   // Of a queue; null: of all.
   VkResult wait_idle(const Queue* queue);
   // Executes the oldest submission that can start on this thread; false when there is none or somebody else is at work.
@@ -55,6 +56,7 @@ class Scheduler {
   bool idle_locked(const Queue* queue);
   void run_front_locked(Queue& queue, std::unique_lock<std::mutex>& lock);  // unlocks while it executes
   void execute(Queue& queue, std::span<const CommandBuffer* const> commands) noexcept;
+  void show(std::span<const Presentation> presentations) noexcept;
   void finish_locked(Queue& queue, Fence* fence);
   void set_running(bool running);
   void worker_main();
