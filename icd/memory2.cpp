@@ -41,8 +41,8 @@ VkResult api::BindBufferMemory2(VkDevice device, uint32_t count, const VkBindBuf
 
 VkResult api::BindImageMemory2(VkDevice device, uint32_t count, const VkBindImageMemoryInfo* infos) {
   for (uint32_t i = 0; i < count; ++i) {
-    const auto* chain = find_in_chain<VkBindImageMemorySwapchainInfoKHR>(infos[i].pNext,
-                                                                         VK_STRUCTURE_TYPE_BIND_IMAGE_MEMORY_SWAPCHAIN_INFO_KHR);
+    const auto* chain =
+        find_in_chain<VkBindImageMemorySwapchainInfoKHR>(infos[i].pNext, VK_STRUCTURE_TYPE_BIND_IMAGE_MEMORY_SWAPCHAIN_INFO_KHR);
     if (chain && chain->swapchain) {
       from(infos[i].image)->bind(from(chain->swapchain)->memory(chain->imageIndex));
       continue;

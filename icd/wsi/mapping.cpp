@@ -8,8 +8,8 @@ namespace pineda::icd {
 std::unique_ptr<Mapping> Mapping::make(size_t size_bytes) {
   const int fd = memfd_create("pineda-swapchain", MFD_CLOEXEC);
   if (fd < 0) return nullptr;
-  void* data = ftruncate(fd, off_t(size_bytes)) == 0 ? mmap(nullptr, size_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0)
-                                                     : MAP_FAILED;
+  void* data =
+      ftruncate(fd, off_t(size_bytes)) == 0 ? mmap(nullptr, size_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
   if (data == MAP_FAILED) {
     close(fd);
     return nullptr;

@@ -1,5 +1,5 @@
-// The structures and commands of the window systems' extensions. Their headers name types of Xlib, XCB and Wayland; the few that they
-// need are declared here, so that no window system has to be installed where they are used by name only.
+// The structures and commands of the window systems' extensions. Their headers name types of Xlib, XCB and Wayland; the few that
+// they need are declared here, so that no window system has to be installed where they are used by name only.
 #pragma once
 
 #include <type_traits>

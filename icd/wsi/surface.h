@@ -36,8 +36,7 @@ template <typename T, typename... Args>
 VkResult create_surface(const Allocator& parent, const VkAllocationCallbacks* callbacks, VkSurfaceKHR* out, const Args&... args) {
   return guarded([&] {
     *out = VK_NULL_HANDLE;
-    Surface* surface =
-        make_object<T>(Allocator(callbacks, parent), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, args...).release();
+    Surface* surface = make_object<T>(Allocator(callbacks, parent), VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, args...).release();
     *out = to_handle(surface);
     return VK_SUCCESS;
   });

@@ -37,7 +37,8 @@ VkImageCreateInfo image_info(const VkSwapchainCreateInfoKHR& info) {
 
 VkResult Swapchain::check(Device&, const VkSwapchainCreateInfoKHR& info) {
   const auto known = [&](const VkSurfaceFormatKHR& format) { return format.format == info.imageFormat; };
-  if (std::ranges::none_of(surface_formats(), known)) return not_supported("vkCreateSwapchainKHR: the surface has no such format");
+  if (std::ranges::none_of(surface_formats(), known))
+    return not_supported("vkCreateSwapchainKHR: the surface has no such format");
   if (info.imageArrayLayers != 1) return not_supported("vkCreateSwapchainKHR: images have one layer");
   const Surface& surface = *from(info.surface);
   if (std::ranges::find(surface.present_modes(), info.presentMode) == surface.present_modes().end()) {
@@ -67,11 +68,11 @@ bool Swapchain::add_images(const VkSwapchainCreateInfoKHR& info) {
     handles_.push_back(handle);
     if (!presenter_) {
       const Image& image = *from(handle);
-      presenter_ = from(info.surface)->make_presenter(
-          {.extent = info.imageExtent,
-           .row_pitch_bytes = image.layout().level[0].row_pitch_bytes,
-           .size_bytes = image.size_bytes(),
-           .has_alpha = info.compositeAlpha == VK_COMPOSITE_ALPHA_PRE_MULTIPLIED_BIT_KHR});
+      presenter_ = from(info.surface)
+                       ->make_presenter({.extent = info.imageExtent,
+                                         .row_pitch_bytes = image.layout().level[0].row_pitch_bytes,
+                                         .size_bytes = image.size_bytes(),
+                                         .has_alpha = info.compositeAlpha == VK_COMPOSITE_ALPHA_PRE_MULTIPLIED_BIT_KHR});
     }
     uint8_t* memory = presenter_ ? presenter_->add_image() : nullptr;
     if (!memory) return false;
@@ -81,8 +82,8 @@ bool Swapchain::add_images(const VkSwapchainCreateInfoKHR& info) {
   return true;
 }
 
-// Presentations are part of what the application waits for before it destroys; vkQueuePresentKHR has no fence to wait for, so those
-// that are still queued are waited for here.
+// Presentations are part of what the application waits for before it destroys; vkQueuePresentKHR has no fence to wait for, so
+// those that are still queued are waited for here.
 Swapchain::~Swapchain() {
   {
     std::unique_lock lock(mutex_);

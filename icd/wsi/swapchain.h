@@ -1,9 +1,9 @@
 // VkSwapchainKHR: images in memory that the window system reads, and the rules by which they go round: free, acquired by the
 // application, queued for presentation, shown.
 //
-// There is no thread here. Whoever executes for the queue (scheduler.h) shows an image when the semaphores of vkQueuePresentKHR are
-// signalled; vkAcquireNextImageKHR waits until an image may be drawn to again. Where the window system takes images at any rate, FIFO
-// holds each one back for a frame of 1/60 s after the one before it.
+// There is no thread here. Whoever executes for the queue (scheduler.h) shows an image when the semaphores of vkQueuePresentKHR
+// are signalled; vkAcquireNextImageKHR waits until an image may be drawn to again. Where the window system takes images at any
+// rate, FIFO holds each one back for a frame of 1/60 s after the one before it.
 #pragma once
 
 #include <condition_variable>

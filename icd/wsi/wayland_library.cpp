@@ -16,12 +16,12 @@ std::optional<WaylandLibrary> open_library() {
   void* library = dlopen("libwayland-client.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!library) return std::nullopt;
   bool complete = true;
-#define PINEDA_LOAD(name)                                                                         \
+#define PINEDA_LOAD(name)                                                               \
   wayland.name##_ = reinterpret_cast<decltype(wayland.name##_)>(dlsym(library, #name)); \
   complete &= wayland.name##_ != nullptr;
   PINEDA_WAYLAND_FUNCTIONS(PINEDA_LOAD)
 #undef PINEDA_LOAD
-#define PINEDA_LOAD(name)                                                              \
+#define PINEDA_LOAD(name)                                                       \
   pineda_##name = reinterpret_cast<const wl_interface*>(dlsym(library, #name)); \
   complete &= pineda_##name != nullptr;
   PINEDA_WAYLAND_INTERFACES(PINEDA_LOAD)

@@ -15,4 +15,7 @@
 #define wl_buffer_interface (*pineda_wl_buffer_interface)
 #define wl_callback_interface (*pineda_wl_callback_interface)
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wparentheses"  // "extern const struct wl_interface (*pointer)" is how the macros are meant
 #include <wayland-client-protocol.h>
+#pragma GCC diagnostic pop

@@ -1,7 +1,7 @@
 // VK_KHR_wayland_surface: images are wl_shm buffers, which the compositor reads in place.
 //
-// The application's wl_display is shared: everything here lives in an event queue of its own, and events are read by the protocol of
-// wl_display_prepare_read_queue, so application and driver may both wait for the socket.
+// The application's wl_display is shared: everything here lives in an event queue of its own, and events are read by the protocol
+// of wl_display_prepare_read_queue, so application and driver may both wait for the socket.
 #include <poll.h>
 
 #include <array>
@@ -45,9 +45,7 @@ class WaylandPresenter : public Presenter {
   static void on_global(void* self, wl_registry* registry, uint32_t name, const char* interface, uint32_t version);
   static void on_global_remove(void*, wl_registry*, uint32_t) {}
   static void on_format(void*, wl_shm*, uint32_t) {}
-  static void on_release(void* image, wl_buffer*) {
-    static_cast<Image*>(image)->busy.store(false, std::memory_order_release);
-  }
+  static void on_release(void* image, wl_buffer*) { static_cast<Image*>(image)->busy.store(false, std::memory_order_release); }
   static void on_frame(void* self, wl_callback* callback, uint32_t);
 
   const WaylandLibrary& wayland_;
