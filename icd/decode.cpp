@@ -23,8 +23,8 @@ void decode_row(const FormatInfo& format, BlockDecoder decoder, const uint8_t* b
   }
 }
 
-void decode_into(raster::ThreadPool& pool, const Image& image, const ImagePlane& copy, const VkImageSubresourceLayers& subresource,
-                 const ImageRegion& written) {
+void decode_into(raster::ThreadPool& pool, const Image& image, const ImagePlane& copy,
+                 const VkImageSubresourceLayers& subresource, const ImageRegion& written) {
   const FormatInfo& format = *find_format(copy.decodes);
   const BlockDecoder decoder = block_decoder(format);
   const uint32_t texel_bytes = copy.format->texel_bytes;
@@ -44,7 +44,8 @@ void decode_into(raster::ThreadPool& pool, const Image& image, const ImagePlane&
       [&](uint32_t index, uint32_t) {
         const uint32_t slice = index / written.row_count, row = index % written.row_count;
         const uint32_t y = (written.first_row + row) * format.block_height;
-        decode_row(format, decoder, written.rows.address + slice * written.rows.slice_pitch_bytes + row * written.rows.row_pitch_bytes,
+        decode_row(format, decoder,
+                   written.rows.address + slice * written.rows.slice_pitch_bytes + row * written.rows.row_pitch_bytes,
                    written.columns, to + slice * slice_pitch + uint64_t(y) * level.row_pitch_bytes + uint64_t(x) * texel_bytes,
                    level.row_pitch_bytes, texel_bytes, level.extent.width - x,
                    std::min<uint32_t>(format.block_height, level.extent.height - y));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "icd/decode.h"
 #include "icd/device.h"
 #include "icd/executor.h"
 #include "icd/transfer.h"
@@ -112,6 +113,7 @@ void Executor::execute(const cmd::CopyImage& command) {
       write.address += sample * to->sample_pitch_bytes;
       copy_region(device_.pool, write, read, *to);
     }
+    decode_region(device_.pool, destination, region.dstSubresource, *to);
   }
 }
 
@@ -122,6 +124,7 @@ void Executor::execute(const cmd::CopyBufferToImage& command) {
     const auto from = buffer_rows(*command.source, region, *to);
     if (!from) continue;
     copy_region(device_.pool, to->rows, *from, *to);
+    decode_region(device_.pool, *command.destination, region.imageSubresource, *to);
   }
 }
 

@@ -11,29 +11,6 @@ namespace {
 // A resource is addressed by 32-bit byte offsets (MipLevel in base/abi.h).
 constexpr VkDeviceSize kMaxImageBytes = 0xFFFFFFFFu;
 
-// What a shader can declare for a storage image under the Shader capability alone ("Image Format" in the SPIR-V specification);
-// kernels pack and unpack every format of the table.
-bool is_storage_format(VkFormat format) {
-  switch (format) {
-    case VK_FORMAT_R8G8B8A8_UNORM:
-    case VK_FORMAT_R8G8B8A8_SNORM:
-    case VK_FORMAT_R8G8B8A8_UINT:
-    case VK_FORMAT_R8G8B8A8_SINT:
-    case VK_FORMAT_R16G16B16A16_UINT:
-    case VK_FORMAT_R16G16B16A16_SINT:
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-    case VK_FORMAT_R32_UINT:
-    case VK_FORMAT_R32_SINT:
-    case VK_FORMAT_R32_SFLOAT:
-    case VK_FORMAT_R32G32B32A32_UINT:
-    case VK_FORMAT_R32G32B32A32_SINT:
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-      return true;
-    default:
-      return false;
-  }
-}
-
 // Formats of several colour planes: sampled through a conversion with implicit reconstruction, copied plane by plane.
 constexpr VkFormatFeatureFlags kPlanarFeatures =
     VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
@@ -49,11 +26,21 @@ VkFormatFeatureFlags image_features(const FormatInfo& format) {
   if (format.uses & kUseColor) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
   if (format.uses & kUseBlend) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
   if (format.uses & kUseDepth) features |= VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  if (is_storage_format(format.format)) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+  if (format.uses & kUseStorage) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+  if (format.uses & kUseStorageAtomic) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT;
   if (features == 0) return 0;
-  // exec_blit.cpp reads and writes every colour texel through the table, and copies depth texels.
-  return features | VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_BLIT_DST_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT |
-         VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+  features |= VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+  if (!format.is_compressed()) features |= VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_BLIT_DST_BIT;
+  return features;
+}
+
+// Rows in both tilings. But a host could write blocks of an image of linear tiling behind the back of their decoded copy, and
+// vkGetImageSubresourceLayout has no answer for two aspects in one.
+VkFormatFeatureFlags image_features(const FormatInfo& format, VkImageTiling tiling) {
+  const VkFormatFeatureFlags features = image_features(format);
+  if (tiling == VK_IMAGE_TILING_OPTIMAL || (format.is_plain() && !format.is_depth_or_stencil())) return features;
+  if (!format.is_compressed() && !format.is_depth_or_stencil()) return features;  // YCbCr: an aspect for each plane
+  return 0;
 }
 
 constexpr VkImageUsageFlags kTransferUsage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -94,10 +81,11 @@ VkFormatProperties format_properties(VkFormat format) {
   const FormatInfo* info = find_format(format);
   if (!info) return {};
   VkFormatProperties properties{};
-  properties.linearTilingFeatures = properties.optimalTilingFeatures = image_features(*info);  // both tilings are rows
+  properties.linearTilingFeatures = image_features(*info, VK_IMAGE_TILING_LINEAR);
+  properties.optimalTilingFeatures = image_features(*info, VK_IMAGE_TILING_OPTIMAL);
   if (info->is_plain() && !info->is_depth() && (info->uses & kUseSampled)) {
     properties.bufferFeatures |= VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
-    if (is_storage_format(format)) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
+    if (info->uses & kUseStorageTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
   }
   if (info->uses & kUseVertex) properties.bufferFeatures |= VK_FORMAT_FEATURE_VERTEX_BUFFER_BIT;
   return properties;
@@ -108,12 +96,13 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  constexpr VkImageCreateFlags kFlags = VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT | VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT |
-                                        VK_IMAGE_CREATE_EXTENDED_USAGE_BIT | VK_IMAGE_CREATE_ALIAS_BIT;
+  constexpr VkImageCreateFlags kFlags =
+      VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT | VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_BLOCK_TEXEL_VIEW_COMPATIBLE_BIT |
+      VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT | VK_IMAGE_CREATE_ALIAS_BIT;
   if (query.flags & ~kFlags) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const bool cube = (query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT) != 0;
   if (cube && query.type != VK_IMAGE_TYPE_2D) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  const VkFormatFeatureFlags features = image_features(*info);
+  const VkFormatFeatureFlags features = image_features(*info, query.tiling);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   // Volumes are stored, copied and sampled.
   constexpr VkImageUsageFlags kVolumeUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT;

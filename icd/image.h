@@ -2,7 +2,7 @@
 //
 // Most formats have one plane. Depth and stencil of a format with both, and the planes of a YCbCr format, are kept apart. A
 // block-compressed image that shaders or blits may read has a decoded copy behind its blocks, in the same memory: every command
-// that writes blocks decodes them at once, and nothing else can write an image of optimal tiling. So views, descriptors and
+// that writes blocks decodes them (icd/decode.h), and nothing else can write an image of optimal tiling. So views, descriptors and
 // kernels know plain formats only.
 #pragma once
 
