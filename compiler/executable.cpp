@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/config.h"
+#include "base/deep_stack.h"
 #include "base/log.h"
 #include "compiler/eval/eval.h"
 #include "compiler/ir/walk.h"
@@ -89,7 +90,7 @@ class BackedKernel final : public Executable {
   Result<void> finish() override {
     std::call_once(once_, [this] {
       Stopwatch stopwatch;
-      status_ = build();
+      with_deep_stack([this] { status_ = build(); });
       if (debug(kDebugTime) && status_) {
         std::fprintf(stderr, "pineda: %s: back end %.2f ms, %llu bytes of code\n", ir.name.c_str(), stopwatch.lap_ms(),
                      static_cast<unsigned long long>(machine_ ? machine_->code().size_bytes : 0));
@@ -189,11 +190,14 @@ KernelHash hash_kernel(const ir::Kernel& kernel) {
 }
 
 Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash) {
-  if (const std::string fault = ir::verify(kernel); !fault.empty())
-    return compile_error(kernel.name + " is not well formed: " + fault);
   Stopwatch stopwatch;
-  const bool truth = config().mode == Mode::kF64;
-  passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine);
+  std::string fault;
+  with_deep_stack([&] {
+    fault = ir::verify(kernel);
+    const bool truth = config().mode == Mode::kF64;
+    if (fault.empty()) passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine);
+  });
+  if (!fault.empty()) return compile_error(kernel.name + " is not well formed: " + fault);
   auto executable = std::make_shared<BackedKernel>(hash);
   if (kernel.kind == ir::KernelKind::kFragment) executable->varyings = kernels::compact_varyings(kernel);
   executable->ir = std::move(kernel);

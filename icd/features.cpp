@@ -10,10 +10,15 @@ namespace {
 
 // What the driver does; a bit goes up together with a test that uses it.
 // ---- Vulkan 1.1
-constexpr VkPhysicalDevice16BitStorageFeatures k16BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES};
+constexpr VkPhysicalDevice16BitStorageFeatures k16BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES,
+                                                             .storageBuffer16BitAccess = VK_TRUE,
+                                                             .uniformAndStorageBuffer16BitAccess = VK_TRUE,
+                                                             .storagePushConstant16 = VK_TRUE};
 constexpr VkPhysicalDeviceMultiviewFeatures kMultiview{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
 constexpr VkPhysicalDeviceVariablePointersFeatures kVariablePointers{
-    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES};
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES,
+    .variablePointersStorageBuffer = VK_TRUE,
+    .variablePointers = VK_TRUE};
 constexpr VkPhysicalDeviceProtectedMemoryFeatures kProtectedMemory{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROTECTED_MEMORY_FEATURES};
 constexpr VkPhysicalDeviceSamplerYcbcrConversionFeatures kSamplerYcbcrConversion{
@@ -30,6 +35,18 @@ constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT,
     .customBorderColors = VK_TRUE,
     .customBorderColorWithoutFormat = VK_TRUE};
+
+constexpr VkPhysicalDevice8BitStorageFeatures k8BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES,
+                                                           .storageBuffer8BitAccess = VK_TRUE,
+                                                           .uniformAndStorageBuffer8BitAccess = VK_TRUE,
+                                                           .storagePushConstant8 = VK_TRUE};
+constexpr VkPhysicalDeviceShaderFloat16Int8Features kFloat16Int8{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, .shaderFloat16 = VK_TRUE, .shaderInt8 = VK_TRUE};
+// Accesses need no alignment in the IR, so every layout is the same to it.
+constexpr VkPhysicalDeviceScalarBlockLayoutFeatures kScalarBlockLayout{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, .scalarBlockLayout = VK_TRUE};
+constexpr VkPhysicalDeviceUniformBufferStandardLayoutFeatures kUniformStandardLayout{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, .uniformBufferStandardLayout = VK_TRUE};
 
 struct FeatureRow {
   VkStructureType type;
@@ -56,6 +73,10 @@ std::span<const FeatureRow> rows() {
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
       row(kCustomBorderColor, kCustomBorderColor.customBorderColorWithoutFormat),
+      row(k8BitStorage, k8BitStorage.storagePushConstant8),
+      row(kFloat16Int8, kFloat16Int8.shaderInt8),
+      row(kScalarBlockLayout, kScalarBlockLayout.scalarBlockLayout),
+      row(kUniformStandardLayout, kUniformStandardLayout.uniformBufferStandardLayout),
   };
   return kRows;
 }

@@ -25,6 +25,9 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .shaderSampledImageArrayDynamicIndexing = VK_TRUE,  // kernels/sample_call.cpp
     .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
     .shaderStorageImageArrayDynamicIndexing = VK_TRUE,
+    .shaderFloat64 = VK_TRUE,
+    .shaderInt64 = VK_TRUE,
+    .shaderInt16 = VK_TRUE,
     .shaderResourceMinLod = VK_TRUE,
 };
 

@@ -15,13 +15,17 @@ std::vector<ir::Value> Emitter::results_of(ir::Value id) const {
 
 // ---- if -------------------------------------------------------------------------------------------------------------------
 
+// Up to this many instructions cost less than a branch that has to look at the mask first.
+constexpr uint32_t kFlatCost = 10;
+
 bool Emitter::is_trivial(ir::RegionId region) const { return kernel_.regions[region].insts.size() == 1; }
 
-// Whether the region may run for lanes that did not ask for it: no effects, no faults. Adds up about how many instructions it
-// takes.
+// Whether the region may run for lanes that did not ask for it: no effects, no faults, and short. Adds up about how many instructions
+// it takes.
 bool Emitter::is_flat(ir::RegionId region, uint32_t* cost) const {
   constexpr uint32_t kSlow = 6;  // division, square root, scalarised operations
   for (ir::Value v : kernel_.regions[region].insts) {
+    if (*cost > kFlatCost) return false;
     const ir::Inst& inst = kernel_.at(v);
     switch (inst.op) {
       case Op::kConst:
@@ -53,8 +57,6 @@ bool Emitter::is_flat(ir::RegionId region, uint32_t* cost) const {
 }
 
 void Emitter::emit_if(const ir::Inst& inst, ir::Value id) {
-  // Up to this many instructions cost less than a branch that has to look at the mask first.
-  constexpr uint32_t kFlatCost = 10;
   if (!is_lane(inst.operand[0])) return emit_uniform_if(inst, id);
   uint32_t cost = 0;
   if (is_flat(inst.region[0], &cost) && is_flat(inst.region[1], &cost) && cost <= kFlatCost) return emit_flat_if(inst, id);

@@ -143,8 +143,7 @@ class Narrower {
       if (start && facts.known(reduced[k]) == start && kernel_.at(first).op == Op::kConst) reduced[k] = first;
     }
     const std::vector<bool> uniform = uniform_values(v, reduced);
-    Aliases split(kernel_);
-    bool any_split = false;
+    std::optional<Aliases> split;  // as large as the kernel, so made for the loops that need it
     for (size_t k = 0; k < has_result.size(); ++k) {
       if (reduced[k] == yields(body)[k + 1] || (has_result[k] && !uniform[k])) continue;
       const Value next = make_visible(reduced[k], body, body_depth);
@@ -152,11 +151,11 @@ class Narrower {
       if (!has_result[k]) {
         yields(body)[k + 1] = next;
       } else {
-        split.set(kernel_.regions[body].insts[k], add_carried(v, k, next));
-        any_split = true;
+        if (!split) split.emplace(kernel_);
+        split->set(kernel_.regions[body].insts[k], add_carried(v, k, next));
       }
     }
-    if (any_split) ir::for_each_inst(kernel_, body, [&](Value inst) { split.apply(kernel_, inst); });
+    if (split) ir::for_each_inst(kernel_, body, [&](Value inst) { split->apply(kernel_, inst); });
   }
 
   // Which carried values are the same in all lanes if `next` is what they become. Optimistic: those that fail are taken out until

@@ -69,7 +69,7 @@ void vector_shuffle(Translator& t, const Instruction& inst) {
 void vector_extract_dynamic(Translator& t, const Instruction& inst) {
   const Values v = t.values(inst, 3);
   if (t.type_of(inst, 3).kind != TypeKind::kVector) inst.fail("needs a vector");
-  const Value index = t.scalar(inst, 4, ir::Type::kI32);
+  const Value index = t.index(inst, 4);
   Value out = v.back();
   for (uint32_t i = static_cast<uint32_t>(v.size()) - 1; i-- > 0;) out = t.b.select(t.b.ieq(index, t.b.i32(i)), v[i], out);
   t.define(inst, Values{out});
@@ -78,7 +78,7 @@ void vector_extract_dynamic(Translator& t, const Instruction& inst) {
 void vector_insert_dynamic(Translator& t, const Instruction& inst) {
   Values v = t.values(inst, 3);
   if (t.type_of(inst, 3).kind != TypeKind::kVector) inst.fail("needs a vector");
-  const Value component = t.scalar(inst, 4, t.b.type(v[0])), index = t.scalar(inst, 5, ir::Type::kI32);
+  const Value component = t.scalar(inst, 4, t.b.type(v[0])), index = t.index(inst, 5);
   for (uint32_t i = 0; i < v.size(); ++i) v[i] = t.b.select(t.b.ieq(index, t.b.i32(i)), component, v[i]);
   t.define(inst, std::move(v));
 }

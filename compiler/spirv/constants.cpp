@@ -7,19 +7,30 @@
 namespace pineda::spirv {
 namespace {
 
-// The value given for this constant's SpecId, or `fallback`.
-uint32_t specialised(const Module& m, const Instruction& inst, uint32_t fallback, bool is_bool,
+// The value given for this constant's SpecId, or `fallback`. A bool is a VkBool32.
+uint64_t specialised(const Module& m, const Instruction& inst, const Type& type, uint64_t fallback,
                      std::span<const SpecializationConstant> specialization) {
   const std::optional<uint32_t> spec_id = m.decorations_of(inst.word(2)).spec_id;
   if (!spec_id) return fallback;
   for (const SpecializationConstant& s : specialization) {
     if (s.id != *spec_id) continue;
-    if (s.bytes.size() != 4) inst.fail("the specialization of SpecId " + std::to_string(s.id) + " must have 4 bytes");
-    uint32_t bits = 0;
-    std::memcpy(&bits, s.bytes.data(), 4);
-    return is_bool ? bits != 0 : bits;
+    if (s.bytes.size() != type.natural_bytes) {
+      inst.fail("the specialization of SpecId " + std::to_string(s.id) + " must have " + std::to_string(type.natural_bytes) +
+                " bytes");
+    }
+    uint64_t bits = 0;
+    std::memcpy(&bits, s.bytes.data(), s.bytes.size());
+    return type.kind == TypeKind::kBool ? bits != 0 : bits;
   }
   return fallback;
+}
+
+// The literal of OpConstant: low word first; narrow numbers are sign- or zero-extended to a word (SPIR-V 2.2.1, "Literal").
+uint64_t literal(const Instruction& inst, const Type& type) {
+  const uint32_t size_bytes = ir::size_bytes(type.scalar);
+  const uint64_t low = inst.word(3);
+  if (size_bytes == 8) return low | uint64_t{inst.word(4)} << 32;
+  return low & ((1ull << 8 * size_bytes) - 1);
 }
 
 Constant composite(const Module& m, const Instruction& inst, const Type& type) {
@@ -65,13 +76,13 @@ void declare_constant(Module& m, const Instruction& inst, std::span<const Specia
     case spv::OpSpecConstantFalse: {
       if (type.kind != TypeKind::kBool) inst.fail("the type is not bool");
       const bool value = inst.op() == spv::OpConstantTrue || inst.op() == spv::OpSpecConstantTrue;
-      c.scalars = {specialised(m, inst, value, true, specialization)};
+      c.scalars = {specialised(m, inst, type, value, specialization)};
       break;
     }
     case spv::OpConstant:
     case spv::OpSpecConstant:
       if (type.kind != TypeKind::kInt && type.kind != TypeKind::kFloat) inst.fail("the type is not a number");
-      c.scalars = {specialised(m, inst, inst.word(3), false, specialization)};
+      c.scalars = {specialised(m, inst, type, literal(inst, type), specialization)};
       break;
     case spv::OpConstantComposite:
     case spv::OpSpecConstantComposite:

@@ -37,6 +37,9 @@ void apply(Decorations& d, const Instruction& inst, uint32_t at) {
     case spv::DecorationOffset:
       d.offset = inst.word(at + 1);
       break;
+    case spv::DecorationFPRoundingMode:
+      d.rounding_mode = inst.word_as<spv::FPRoundingMode>(at + 1);
+      break;
     case spv::DecorationFlat:
       d.flat = true;
       break;
@@ -86,6 +89,7 @@ void merge(Decorations& to, const Decorations& from) {
   take(to.array_stride, from.array_stride);
   take(to.matrix_stride, from.matrix_stride);
   take(to.offset, from.offset);
+  if (from.rounding_mode) to.rounding_mode = from.rounding_mode;
   to.flat |= from.flat;
   to.no_perspective |= from.no_perspective;
   to.centroid |= from.centroid;

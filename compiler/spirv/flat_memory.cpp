@@ -1,16 +1,18 @@
 #include "compiler/spirv/flat_memory.h"
 
+#include <numeric>
+
 namespace pineda::spirv {
 
 FlatMemory::FlatMemory(std::vector<ir::Type> types, uint32_t step) : types_(std::move(types)), step_(step) {
   is_array_ = step_ != 0 && size() / step_ > kMaxCandidates;
 }
 
-uint32_t FlatMemory::array_scalars() const {
+uint32_t FlatMemory::array_bytes() const {
   if (!is_array_) return 0;
-  bool present[3] = {};
-  for (ir::Type t : types_) present[slot(t)] = true;
-  return size() * (present[0] + present[1] + present[2]);
+  std::array<uint32_t, kTypes> element_bytes{};
+  for (ir::Type t : types_) element_bytes[slot(t)] = ir::size_bytes(t);
+  return size() * std::accumulate(element_bytes.begin(), element_bytes.end(), 0u);
 }
 
 void FlatMemory::allocate(ir::Builder& b) {

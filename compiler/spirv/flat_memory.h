@@ -22,7 +22,7 @@ class FlatMemory {
   uint32_t size() const { return static_cast<uint32_t>(types_.size()); }
   ir::Type type(uint32_t scalar) const { return types_[scalar]; }
   uint32_t var_count() const { return is_array_ ? 0 : size(); }
-  uint32_t array_scalars() const;  // in all arrays
+  uint32_t array_bytes() const;  // of all arrays, for each lane
   void allocate(ir::Builder& b);
 
   // Scalar `at` + `index`; index unset or a multiple of the step. Indices that lead outside give some scalar of the variable or
@@ -33,13 +33,14 @@ class FlatMemory {
  private:
   ir::Value array_of(const Instruction& inst, ir::Type type) const;
   void check(const Instruction& inst, uint32_t at, ir::Value index, ir::Type type) const;
-  static uint32_t slot(ir::Type type) { return type == ir::Type::kB1 ? 0 : type == ir::Type::kI32 ? 1 : 2; }
+  static constexpr uint32_t kTypes = static_cast<uint32_t>(ir::Type::kPtr) + 1;
+  static uint32_t slot(ir::Type type) { return static_cast<uint32_t>(type); }
 
   std::vector<ir::Type> types_;  // of each scalar
   uint32_t step_ = 0;
   bool is_array_ = false;
   std::vector<ir::Var> vars_;
-  std::array<ir::Value, 3> arrays_;  // by slot()
+  std::array<ir::Value, kTypes> arrays_;  // by slot()
 };
 
 }  // namespace pineda::spirv

@@ -113,14 +113,14 @@ ir::Value Flow::guard(size_t mark) {
 
 // ---- sequences ------------------------------------------------------------------------------------------------------------
 
-bool Flow::sequence(uint32_t label, uint32_t stop, bool inside_loop) {
+bool Flow::sequence(uint32_t label, uint32_t stop, bool inside_loop, std::optional<uint32_t>* later) {
   const Instruction* at = &t_.m.instructions[f_.first];
   if (++depth_ > 2 * kMaxNesting) at->fail("control flow is nested too deeply");
   bool reached = false;
-  for (std::optional<uint32_t> next = label; next;) {
-    const Block& current = block(*at, *next);
+  for (Next next{label, later}; next.here;) {
+    const Block& current = block(*at, *next.here);
     at = &end_of(current);
-    next.reset();
+    next.here.reset();
     if (current.merge_kind == MergeKind::kLoop && !inside_loop) {
       const size_t mark = jumps_.size();
       reached = loop(current) && behind(*at, current.merge, stop, mark, next);
@@ -134,10 +134,10 @@ bool Flow::sequence(uint32_t label, uint32_t stop, bool inside_loop) {
   return reached;
 }
 
-bool Flow::go_on(const Instruction& at, uint32_t to, uint32_t stop) {
+bool Flow::go_on(const Instruction& at, uint32_t to, uint32_t stop, std::optional<uint32_t>* later) {
   if (to == stop) return true;
   if (jump(at, to)) return false;
-  return sequence(to, stop);
+  return sequence(to, stop, false, later);
 }
 
 bool Flow::go(const Block& from, uint32_t to, uint32_t stop) {
@@ -146,35 +146,43 @@ bool Flow::go(const Block& from, uint32_t to, uint32_t stop) {
 }
 
 bool Flow::guarded(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark) {
-  const ir::Value cond = guard(mark);
-  if (!cond) return go_on(at, merge, stop);
   bool reached = false;
-  t_.in_if(
-      at, cond, [&] { reached = go_on(at, merge, stop); }, [] {});
+  for (std::optional<uint32_t> next = merge; next;) {
+    const uint32_t label = *next;
+    next.reset();
+    const ir::Value cond = guard(mark);  // more flags each time round
+    if (!cond) return go_on(at, label, stop);
+    t_.in_if(
+        at, cond, [&] { reached |= go_on(at, label, stop, &next); }, [] {});
+  }
   return reached;
 }
 
-// Goes on at a construct's merge block: nested when lanes jumped out of the construct, in the same sequence (`next`) otherwise.
-bool Flow::behind(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark, std::optional<uint32_t>& next) {
+// Goes on at a construct's merge block: under a guard when lanes jumped out of the construct, in the same region otherwise.
+bool Flow::behind(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark, Next& next) {
   if (merge == stop) return true;
-  if (jumps_.size() > mark) return guarded(at, merge, stop, mark);
-  if (!jump(at, merge)) next = merge;
+  if (jumps_.size() == mark) {
+    if (!jump(at, merge)) next.here = merge;
+    return false;
+  }
+  if (!is_deep(next)) return guarded(at, merge, stop, mark);
+  if (!jump(at, merge)) *next.later = merge;
   return false;
 }
 
 // Emits what follows a block's body. `next` is set when the sequence goes on there, without nesting.
-bool Flow::terminator(const Block& current, uint32_t stop, std::optional<uint32_t>& next) {
+bool Flow::terminator(const Block& current, uint32_t stop, Next& next) {
   const Instruction& inst = end_of(current);
   switch (inst.op()) {
     case spv::OpBranch: {
       const uint32_t to = inst.word(1);
       edge(current, to);
       if (to == stop) return true;
-      if (!jump(inst, to)) next = to;
+      if (!jump(inst, to)) next.here = to;
       return false;
     }
     case spv::OpBranchConditional:
-      return current.merge_kind == MergeKind::kSelection ? selection(current, stop, next) : conditional(current, stop);
+      return current.merge_kind == MergeKind::kSelection ? selection(current, stop, next) : conditional(current, stop, next);
     case spv::OpSwitch: {
       const size_t mark = jumps_.size();
       return switch_(current) && behind(inst, current.merge, stop, mark, next);
@@ -197,9 +205,10 @@ bool Flow::terminator(const Block& current, uint32_t stop, std::optional<uint32_
 }
 
 // A conditional branch without merge instruction: at most one side goes on, the other leaves.
-bool Flow::conditional(const Block& current, uint32_t stop) {
+bool Flow::conditional(const Block& current, uint32_t stop, const Next& next) {
   const Instruction& inst = end_of(current);
   if (inst.word(2) == inst.word(3)) return go(current, inst.word(2), stop);
+  if (is_deep(next) && (is_target(inst.word(2)) || is_target(inst.word(3)))) return leave_flat(current, stop, next);
   bool reached = false;
   const ir::Value cond = t_.scalar(inst, 1, ir::Type::kB1);
   t_.in_if(
@@ -207,7 +216,28 @@ bool Flow::conditional(const Block& current, uint32_t stop) {
   return reached;
 }
 
-bool Flow::selection(const Block& current, uint32_t stop, std::optional<uint32_t>& next) {
+// The same where one side is a jump: those lanes set their flag, the others go on later.
+bool Flow::leave_flat(const Block& current, uint32_t stop, const Next& next) {
+  const Instruction& inst = end_of(current);
+  const bool then_leaves = is_target(inst.word(2));
+  const uint32_t target = inst.word(then_leaves ? 2 : 3), other = inst.word(then_leaves ? 3 : 2);
+  const auto leave = [&] {
+    edge(current, target);
+    jump(inst, target);
+  };
+  const auto stay = [&] {
+    edge(current, other);
+    if (other != stop && !jump(inst, other)) *next.later = other;
+  };
+  const ir::Value cond = t_.scalar(inst, 1, ir::Type::kB1);
+  if (then_leaves)
+    t_.in_if(inst, cond, leave, stay);
+  else
+    t_.in_if(inst, cond, stay, leave);
+  return other == stop;
+}
+
+bool Flow::selection(const Block& current, uint32_t stop, Next& next) {
   const Instruction& inst = end_of(current);
   const uint32_t merge = current.merge;
   const size_t mark = jumps_.size();
@@ -218,7 +248,7 @@ bool Flow::selection(const Block& current, uint32_t stop, std::optional<uint32_t
       [&] {
         const size_t else_mark = jumps_.size();
         else_arrives = go(current, inst.word(3), merge);
-        if (!else_arrives || then_arrives) return;
+        if (!else_arrives || then_arrives || is_deep(next)) return;
         nested = true;
         reached = merge == stop || guarded(inst, merge, stop, else_mark);
       });

@@ -5,7 +5,8 @@
 // merge of a switch, the next case, the function's end) is a jump: the lane sets that target's flag and the sequence ends.
 // Whatever follows an inner construct inside an outer one runs under "no flag that was set in there", and a loop goes on for the
 // lanes that reached its back edge. Code behind a construct whose first side never comes back is emitted inside the other side,
-// so `if (x) return; rest` needs no flag.
+// so `if (x) return; rest` needs no flag. That nests by one level for each construct that lanes leave; where it is deep already
+// (kNestedDepth), such code stands side by side instead, each piece under an If of its own: `later` below.
 //
 //     loop header H, merge M, continue C            IR
 //     H: phis, code                                 Loop { again = false
@@ -36,20 +37,29 @@ class Flow {
   };
   struct Case {
     uint32_t block;
-    std::vector<uint32_t> literals;
+    std::vector<uint64_t> literals;
     bool is_default = false;
   };
   static constexpr uint32_t kReturn = 0;
+  static constexpr size_t kNestedDepth = 16;
+
+  // Where a sequence goes on when one of its blocks has been emitted.
+  struct Next {
+    std::optional<uint32_t> here;   // in the same region
+    std::optional<uint32_t>* later;  // for lanes that have not left, when this region is closed; null: the caller cannot do that
+  };
 
   // All of these give whether `stop` can be reached.
-  bool sequence(uint32_t label, uint32_t stop, bool inside_loop = false);
+  bool sequence(uint32_t label, uint32_t stop, bool inside_loop = false, std::optional<uint32_t>* later = nullptr);
   bool go(const Block& from, uint32_t to, uint32_t stop);  // takes an edge: phis, then go_on
-  bool go_on(const Instruction& at, uint32_t to, uint32_t stop);
+  bool go_on(const Instruction& at, uint32_t to, uint32_t stop, std::optional<uint32_t>* later = nullptr);
   bool guarded(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark);  // behind a construct: under its guards
-  bool behind(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark, std::optional<uint32_t>& next);
-  bool terminator(const Block& block, uint32_t stop, std::optional<uint32_t>& next);
-  bool conditional(const Block& block, uint32_t stop);
-  bool selection(const Block& block, uint32_t stop, std::optional<uint32_t>& next);
+  bool behind(const Instruction& at, uint32_t merge, uint32_t stop, size_t mark, Next& next);
+  bool terminator(const Block& block, uint32_t stop, Next& next);
+  bool conditional(const Block& block, uint32_t stop, const Next& next);
+  bool leave_flat(const Block& block, uint32_t stop, const Next& next);
+  bool selection(const Block& block, uint32_t stop, Next& next);
+  bool is_deep(const Next& next) const { return next.later && t_.nesting() > kNestedDepth; }
   bool loop(const Block& header);       // whether its merge block can be reached
   bool loop_body(const Block& header);  // whether its back edge can be reached
   bool switch_(const Block& block);     // whether its merge block can be reached

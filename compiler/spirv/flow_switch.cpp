@@ -12,7 +12,8 @@ std::vector<uint32_t> Flow::successors(const Block& from) const {
   if (inst.op() == spv::OpBranch) out.push_back(inst.word(1));
   if (inst.op() == spv::OpBranchConditional) out = {inst.word(2), inst.word(3)};
   if (inst.op() == spv::OpSwitch) {
-    for (uint32_t i = 2; i < inst.size(); i += 2) out.push_back(inst.word(i));
+    out.push_back(inst.word(2));
+    for (const SwitchCase& c : switch_cases(t_.m, inst)) out.push_back(c.label);
   }
   return out;
 }
@@ -28,8 +29,8 @@ std::vector<Flow::Case> Flow::cases(const Instruction& inst, uint32_t merge) con
     return &out[found->second];
   };
   if (Case* c = add(inst.word(2))) c->is_default = true;
-  for (uint32_t i = 3; i < inst.size(); i += 2) {
-    if (Case* c = add(inst.word(i + 1))) c->literals.push_back(inst.word(i));
+  for (const SwitchCase& s : switch_cases(t_.m, inst)) {
+    if (Case* c = add(s.label)) c->literals.push_back(s.literal);
   }
   return out;
 }
@@ -82,16 +83,16 @@ std::vector<Flow::Case> Flow::in_fall_through_order(const Instruction& inst, con
 // B1: the selector chooses this case.
 ir::Value Flow::matches(const Instruction& inst, ir::Value selector, const Case& c) {
   ir::Value any;
-  const auto add = [&](uint32_t literal) {
-    const ir::Value equal = t_.b.ieq(selector, t_.b.i32(literal));
+  const auto add = [&](uint64_t literal) {
+    const ir::Value equal = t_.b.ieq(selector, t_.b.constant(t_.b.type(selector), literal));
     any = any ? t_.b.or_(any, equal) : equal;
   };
   if (!c.is_default) {
-    for (uint32_t literal : c.literals) add(literal);
+    for (uint64_t literal : c.literals) add(literal);
     return any;
   }
-  for (uint32_t i = 3; i < inst.size(); i += 2) {
-    if (inst.word(i + 1) != c.block) add(inst.word(i));
+  for (const SwitchCase& s : switch_cases(t_.m, inst)) {
+    if (s.label != c.block) add(s.literal);
   }
   return any ? t_.b.not_(any) : t_.b.b1(true);
 }
@@ -99,7 +100,9 @@ ir::Value Flow::matches(const Instruction& inst, ir::Value selector, const Case&
 bool Flow::switch_(const Block& current) {
   const Instruction& inst = end_of(current);
   if (current.merge_kind != MergeKind::kSelection) inst.fail("has no OpSelectionMerge");
-  const ir::Value selector = t_.scalar(inst, 1, ir::Type::kI32);
+  const Values selectors = t_.integers(inst, 1);
+  if (selectors.size() != 1) inst.fail("the selector is not a scalar");
+  const ir::Value selector = selectors[0];
   std::vector<uint32_t> all = successors(current);
   std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());

@@ -442,5 +442,55 @@ OpFunctionEnd
   EXPECT_NE(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, words).find("recursion"), std::string::npos);
 }
 
+// Hundreds of early exits of each kind: they do not nest, so there is no limit on their number.
+TEST(SpirvFlow, ManyEarlyExits) {
+  constexpr uint32_t kExits = 600;
+  std::string returns, loop;
+  for (uint32_t i = 0; i < kExits; ++i) {
+    const std::string k = std::to_string(i);
+    returns += "uint v" + k + " = r + " + k + "u; if ((r ^ x) % 997u == " + k + "u) return v" + k + " + 5000u; r = r * 5u + v" + k + ";\n";
+    loop += "r = r * 3u + i; if (r % 389u == " + k + "u) " + (i % 3 == 0 ? "continue" : i % 3 == 1 ? "break" : "return r") + ";\n";
+  }
+  const std::string functions = "uint f(uint x) { uint r = x;\n" + returns + "return r; }\n" +
+                                "uint g(uint x) { uint r = x + 7u; for (uint i = 0u; i < 5u; ++i) {\n" + loop + "} return r + 1u; }\n";
+  const Words out = compute("d[lane] = f(lane); d[lane + 16u] = g(lane);", Words(32), "uint", functions);
+  for (uint32_t x = 0; x < 16; ++x) {
+    const auto f = [&] {
+      uint32_t r = x;
+      for (uint32_t i = 0; i < kExits; ++i) {
+        const uint32_t v = r + i;
+        if ((r ^ x) % 997 == i) return v + 5000;
+        r = r * 5 + v;
+      }
+      return r;
+    };
+    const auto g = [&] {
+      uint32_t r = x + 7;
+      for (uint32_t i = 0; i < 5; ++i) {
+        bool left = false;
+        for (uint32_t k = 0; k < kExits && !left; ++k) {
+          r = r * 3 + i;
+          if (r % 389 != k) continue;
+          if (k % 3 == 2) return r;
+          if (k % 3 == 1) return r + 1;
+          left = true;
+        }
+      }
+      return r + 1;
+    };
+    EXPECT_EQ(out[x], f()) << x;
+    EXPECT_EQ(out[16 + x], g()) << x;
+  }
+}
+
+// As deep as SPIR-V lets constructs nest (2.17, universal limits).
+TEST(SpirvFlow, DeepNests) {
+  constexpr uint32_t kDepth = 1000;
+  std::string body = "uint r = lane;";
+  for (uint32_t i = 0; i < kDepth; ++i) body += "if (r % " + std::to_string(i % 7 + 2) + "u != 9u) { r += " + std::to_string(i) + "u;\n";
+  const Words out = compute(body + std::string(kDepth, '}') + " d[lane] = r;", Words(16));
+  for (uint32_t x = 0; x < 16; ++x) EXPECT_EQ(out[x], x + kDepth * (kDepth - 1) / 2);
+}
+
 }  // namespace
 }  // namespace pineda::spirv::test

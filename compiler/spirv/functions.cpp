@@ -119,7 +119,7 @@ class FunctionReader {
           break;
         case spv::OpSwitch:
           add_edge(end, end.word(2));
-          for (uint32_t i = 3; i < end.size(); i += 2) add_edge(end, end.word(i + 1));
+          for (const SwitchCase& c : switch_cases(m_, end)) add_edge(end, c.label);
           break;
         default:
           break;
@@ -147,6 +147,18 @@ class FunctionReader {
 };
 
 }  // namespace
+
+std::vector<SwitchCase> switch_cases(const Module& m, const Instruction& inst) {
+  const Type& selector = m.type(m.type_of(inst.word(1)));
+  if (selector.kind != TypeKind::kInt) inst.fail("the selector is not an integer");
+  const bool is_wide = selector.scalar == ir::Type::kI64;  // then a literal takes two words, the low one first
+  std::vector<SwitchCase> out;
+  for (uint32_t i = 3; i < inst.size(); i += is_wide ? 3 : 2) {
+    const uint64_t literal = is_wide ? inst.word(i) | uint64_t{inst.word(i + 1)} << 32 : inst.word(i);
+    out.push_back({literal, inst.word(is_wide ? i + 2 : i + 1)});
+  }
+  return out;
+}
 
 void read_functions(Module& m) { FunctionReader(m).run(); }
 

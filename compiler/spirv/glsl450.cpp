@@ -20,6 +20,21 @@ template <Op kOp>
 void f2(Translator& t, const Instruction& inst) {
   glsl_map2<true>(t, inst, [&](Value a, Value c) { return t.b.op(kOp, t.b.type(a), {a, c}); });
 }
+// Transcendentals.
+template <Op kOp>
+void t1(Translator& t, const Instruction& inst) {
+  glsl_map1<true>(t, inst, [&](Value a) {
+    return in_f32(
+        t, inst, [&](Value x) { return t.b.op(kOp, ir::Type::kF32, {x}); }, a);
+  });
+}
+template <Op kOp>
+void t2(Translator& t, const Instruction& inst) {
+  glsl_map2<true>(t, inst, [&](Value a, Value c) {
+    return in_f32(
+        t, inst, [&](Value x, Value y) { return t.b.op(kOp, ir::Type::kF32, {x, y}); }, a, c);
+  });
+}
 template <Op kOp>
 void i2(Translator& t, const Instruction& inst) {
   glsl_map2<false>(t, inst, [&](Value a, Value c) { return t.b.op(kOp, t.b.type(a), {a, c}); });
@@ -33,28 +48,28 @@ void i_clamp(Translator& t, const Instruction& inst) {
 }
 
 void s_abs(Translator& t, const Instruction& inst) {
-  glsl_map1<false>(t, inst, [&](Value a) { return t.b.smax(a, t.b.isub(t.b.i32(0), a)); });
+  glsl_map1<false>(t, inst, [&](Value a) { return t.b.smax(a, t.b.isub(integer(t, a, 0), a)); });
 }
 void s_sign(Translator& t, const Instruction& inst) {
-  glsl_map1<false>(t, inst, [&](Value a) { return t.b.smax(t.b.smin(a, t.b.i32(1)), t.b.i32(~0u)); });
+  glsl_map1<false>(t, inst, [&](Value a) { return t.b.smax(t.b.smin(a, integer(t, a, 1)), integer(t, a, ~0ull)); });
 }
 void f_sign(Translator& t, const Instruction& inst) {
   glsl_map1<true>(t, inst, [&](Value a) {
-    const Value zero = t.b.f32(0);
-    return t.b.select(t.b.flt(zero, a), t.b.f32(1), t.b.select(t.b.flt(a, zero), t.b.f32(-1), zero));
+    const Value zero = number(t, a, 0);
+    return t.b.select(t.b.flt(zero, a), number(t, a, 1), t.b.select(t.b.flt(a, zero), number(t, a, -1), zero));
   });
 }
 void fract(Translator& t, const Instruction& inst) {
   glsl_map1<true>(t, inst, [&](Value a) { return t.fsub(a, t.b.ffloor(a)); });
 }
 void radians(Translator& t, const Instruction& inst) {
-  glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, t.b.f32(std::numbers::pi / 180)); });
+  glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, number(t, a, std::numbers::pi / 180)); });
 }
 void degrees(Translator& t, const Instruction& inst) {
-  glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, t.b.f32(180 / std::numbers::pi)); });
+  glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, number(t, a, 180 / std::numbers::pi)); });
 }
 void inverse_sqrt(Translator& t, const Instruction& inst) {
-  glsl_map1<true>(t, inst, [&](Value a) { return t.b.fdiv(t.b.f32(1), t.b.fsqrt(a)); });
+  glsl_map1<true>(t, inst, [&](Value a) { return t.b.fdiv(number(t, a, 1), t.b.fsqrt(a)); });
 }
 
 Value n_min(Translator& t, Value a, Value c) { return t.b.select(t.b.fne(a, a), c, t.b.fmin(a, c)); }
@@ -65,33 +80,44 @@ void f_clamp(Translator& t, const Instruction& inst) {
 }
 // Vulkan, "Precision of Individual Operations": x * (1 - a) + y * a, exact at both ends.
 void f_mix(Translator& t, const Instruction& inst) {
-  glsl_map3<true>(t, inst, [&](Value x, Value y, Value a) { return t.fadd(t.fmul(x, t.fsub(t.b.f32(1), a)), t.fmul(y, a)); });
+  glsl_map3<true>(t, inst, [&](Value x, Value y, Value a) { return t.fadd(t.fmul(x, t.fsub(number(t, a, 1), a)), t.fmul(y, a)); });
 }
 void step(Translator& t, const Instruction& inst) {
-  glsl_map2<true>(t, inst, [&](Value edge, Value x) { return t.b.select(t.b.flt(x, edge), t.b.f32(0), t.b.f32(1)); });
+  glsl_map2<true>(t, inst, [&](Value edge, Value x) { return t.b.select(t.b.flt(x, edge), number(t, x, 0), number(t, x, 1)); });
 }
 void smooth_step(Translator& t, const Instruction& inst) {
   glsl_map3<true>(t, inst, [&](Value low, Value high, Value x) {
     const Value linear = t.b.fdiv(t.fsub(x, low), t.fsub(high, low));
-    const Value s = t.b.fmin(t.b.fmax(linear, t.b.f32(0)), t.b.f32(1));
-    return t.fmul(t.fmul(s, s), t.fsub(t.b.f32(3), t.fmul(t.b.f32(2), s)));
+    const Value s = t.b.fmin(t.b.fmax(linear, number(t, x, 0)), number(t, x, 1));
+    return t.fmul(t.fmul(s, s), t.fsub(number(t, x, 3), t.fmul(number(t, x, 2), s)));
   });
 }
 void fma(Translator& t, const Instruction& inst) {
   glsl_map3<true>(t, inst, [&](Value a, Value c, Value d) { return t.b.fma(a, c, d); });
 }
 
-void find_i_lsb(Translator& t, const Instruction& inst) {
-  glsl_map1<false>(t, inst, [&](Value a) { return t.b.select(t.b.ieq(a, t.b.i32(0)), t.b.i32(~0u), t.b.ctz(a)); });
+// The result may be narrower or wider than the operand.
+template <typename Fn>
+void find_bit(Translator& t, const Instruction& inst, Fn fn) {
+  const ir::Type to = t.component_of(t.result_type(inst));
+  if (!ir::is_int(to)) inst.fail("the result is not an integer");
+  glsl_map1<false>(t, inst, [&](Value a) {
+    const Value v = fn(a);
+    return t.b.convert(ir::size_bytes(to) < ir::size_bytes(t.b.type(a)) ? Op::kTrunc : Op::kSExt, to, v);
+  });
 }
-void find_u_msb(Translator& t, const Instruction& inst) {  // clz(0) = 32 gives -1
-  glsl_map1<false>(t, inst, [&](Value a) { return t.b.isub(t.b.i32(31), t.b.clz(a)); });
+uint64_t top_bit(Translator& t, Value a) { return 8 * ir::size_bytes(t.b.type(a)) - 1; }
+Value most_significant(Translator& t, Value a) { return t.b.isub(integer(t, a, top_bit(t, a)), t.b.clz(a)); }  // -1 for 0
+
+void find_i_lsb(Translator& t, const Instruction& inst) {
+  find_bit(t, inst,
+           [&](Value a) { return t.b.select(t.b.ieq(a, integer(t, a, 0)), integer(t, a, ~0ull), t.b.ctz(a)); });
+}
+void find_u_msb(Translator& t, const Instruction& inst) {
+  find_bit(t, inst, [&](Value a) { return most_significant(t, a); });
 }
 void find_s_msb(Translator& t, const Instruction& inst) {  // of the bits that differ from the sign
-  glsl_map1<false>(t, inst, [&](Value a) {
-    const Value magnitude = t.b.xor_(a, t.b.ashr(a, t.b.i32(31)));
-    return t.b.isub(t.b.i32(31), t.b.clz(magnitude));
-  });
+  find_bit(t, inst, [&](Value a) { return most_significant(t, t.b.xor_(a, t.b.ashr(a, integer(t, a, top_bit(t, a))))); });
 }
 
 constexpr ExtRow kRows[] = {
@@ -107,18 +133,18 @@ constexpr ExtRow kRows[] = {
     PINEDA_GLSL_ROW(Fract, 1, fract),
     PINEDA_GLSL_ROW(Radians, 1, radians),
     PINEDA_GLSL_ROW(Degrees, 1, degrees),
-    PINEDA_GLSL_ROW(Sin, 1, f1<Op::kFSin>),
-    PINEDA_GLSL_ROW(Cos, 1, f1<Op::kFCos>),
-    PINEDA_GLSL_ROW(Tan, 1, f1<Op::kFTan>),
-    PINEDA_GLSL_ROW(Asin, 1, f1<Op::kFAsin>),
-    PINEDA_GLSL_ROW(Acos, 1, f1<Op::kFAcos>),
-    PINEDA_GLSL_ROW(Atan, 1, f1<Op::kFAtan>),
-    PINEDA_GLSL_ROW(Atan2, 2, f2<Op::kFAtan2>),
-    PINEDA_GLSL_ROW(Pow, 2, f2<Op::kFPow>),
-    PINEDA_GLSL_ROW(Exp, 1, f1<Op::kFExp>),
-    PINEDA_GLSL_ROW(Log, 1, f1<Op::kFLog>),
-    PINEDA_GLSL_ROW(Exp2, 1, f1<Op::kFExp2>),
-    PINEDA_GLSL_ROW(Log2, 1, f1<Op::kFLog2>),
+    PINEDA_GLSL_ROW(Sin, 1, t1<Op::kFSin>),
+    PINEDA_GLSL_ROW(Cos, 1, t1<Op::kFCos>),
+    PINEDA_GLSL_ROW(Tan, 1, t1<Op::kFTan>),
+    PINEDA_GLSL_ROW(Asin, 1, t1<Op::kFAsin>),
+    PINEDA_GLSL_ROW(Acos, 1, t1<Op::kFAcos>),
+    PINEDA_GLSL_ROW(Atan, 1, t1<Op::kFAtan>),
+    PINEDA_GLSL_ROW(Atan2, 2, t2<Op::kFAtan2>),
+    PINEDA_GLSL_ROW(Pow, 2, t2<Op::kFPow>),
+    PINEDA_GLSL_ROW(Exp, 1, t1<Op::kFExp>),
+    PINEDA_GLSL_ROW(Log, 1, t1<Op::kFLog>),
+    PINEDA_GLSL_ROW(Exp2, 1, t1<Op::kFExp2>),
+    PINEDA_GLSL_ROW(Log2, 1, t1<Op::kFLog2>),
     PINEDA_GLSL_ROW(Sqrt, 1, f1<Op::kFSqrt>),
     PINEDA_GLSL_ROW(InverseSqrt, 1, inverse_sqrt),
     PINEDA_GLSL_ROW(FMin, 2, f2<Op::kFMin>),

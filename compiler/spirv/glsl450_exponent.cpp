@@ -1,4 +1,5 @@
 // GLSL.std.450: hyperbolic functions and those that take floats apart.
+#include <cmath>
 #include <limits>
 
 #include "compiler/spirv/glsl450.h"
@@ -11,7 +12,7 @@ using ir::Value;
 
 template <typename Fn>
 void map(Translator& t, const Instruction& inst, Fn fn) {
-  glsl_map1<true>(t, inst, fn);
+  glsl_map1<true>(t, inst, [&](Value a) { return in_f32(t, inst, fn, a); });
 }
 
 Value with_sign_of(Translator& t, Value magnitude, Value x) {
@@ -48,25 +49,61 @@ void atanh(Translator& t, const Instruction& inst) {
   });
 }
 
-// 2^n for -126 <= n <= 127
-Value power_of_two(Translator& t, Value n) { return t.b.bitcast(Type::kF32, t.b.shl(t.b.iadd(n, t.b.i32(127)), t.b.i32(23))); }
+// The parameters of binary32 and binary64; halves are scaled and taken apart as binary32, which holds all their results.
+struct Format {
+  Type type, bits;
+  int64_t mantissa_bits, bias;
+};
+constexpr Format kSingle{Type::kF32, Type::kI32, 23, 127}, kDouble{Type::kF64, Type::kI64, 52, 1023};
+const Format& format_of(Type type) { return type == Type::kF64 ? kDouble : kSingle; }
 
-// x * 2^n, rounded once: n is brought into the range of one factor by exact steps of 2^127, or of 2^-102 which leaves 24 bits
-// above the denormals, so that only the last multiplication can round.
-Value scale(Translator& t, Value x, Value n) {
-  for (int i = 0; i < 2; ++i) {
-    const Value high = t.b.slt(t.b.i32(127), n), low = t.b.slt(n, t.b.i32(static_cast<uint32_t>(-126)));
-    x = t.b.fmul(x, t.b.select(high, t.b.f32(0x1p127), t.b.select(low, t.b.f32(0x1p-102), t.b.f32(1))));
-    n = t.b.isub(n, t.b.select(high, t.b.i32(127), t.b.select(low, t.b.i32(static_cast<uint32_t>(-102)), t.b.i32(0))));
+// Arithmetic on a float and on exponents that are integers as wide as it.
+struct Scaler {
+  Translator& t;
+  const Format& format;
+
+  Value exponent(int64_t v) const { return t.b.constant(format.bits, static_cast<uint64_t>(v)); }
+  Value power_of_two(int64_t n) const { return t.b.fconst(format.type, std::ldexp(1.0, static_cast<int>(n))); }
+  int64_t lowest() const { return 1 - format.bias; }  // exponent of the smallest normal number
+
+  // 2^n for the exponents of normal numbers
+  Value normal_power(Value n) const {
+    const Value biased = t.b.iadd(n, exponent(format.bias));
+    return t.b.bitcast(format.type, t.b.shl(biased, exponent(format.mantissa_bits)));
   }
-  n = t.b.smax(t.b.smin(n, t.b.i32(127)), t.b.i32(static_cast<uint32_t>(-126)));
-  return t.b.fmul(x, power_of_two(t, n));
+
+  // x * 2^n, rounded once: n is brought into the range of one factor by exact steps, up by the largest power or down by one that
+  // leaves a whole significand above the denormals, so that only the last multiplication can round.
+  Value scale(Value x, Value n) const {
+    const int64_t up = format.bias, down = lowest() + format.mantissa_bits + 1;
+    for (int i = 0; i < 2; ++i) {
+      const Value high = t.b.slt(exponent(up), n), low = t.b.slt(n, exponent(lowest()));
+      x = t.b.fmul(x, t.b.select(high, power_of_two(up), t.b.select(low, power_of_two(down), power_of_two(0))));
+      n = t.b.isub(n, t.b.select(high, exponent(up), t.b.select(low, exponent(down), exponent(0))));
+    }
+    n = t.b.smax(t.b.smin(n, exponent(up)), exponent(lowest()));
+    return t.b.fmul(x, normal_power(n));
+  }
+};
+
+Value signed_resize(Translator& t, Value v, Type to) {
+  if (t.b.type(v) == to) return v;
+  return t.b.convert(ir::size_bytes(to) < ir::size_bytes(t.b.type(v)) ? ir::Op::kTrunc : ir::Op::kSExt, to, v);
+}
+
+Value widened(Translator& t, Value x) {
+  return t.b.type(x) == Type::kF16 ? t.b.convert(ir::Op::kFConvert, Type::kF32, x) : x;
 }
 
 void ldexp(Translator& t, const Instruction& inst) {
   Values x = glsl_operand(t, inst, 0, true);
   const Values n = glsl_operand(t, inst, 1, false, x.size());
-  for (size_t i = 0; i < x.size(); ++i) x[i] = scale(t, x[i], n[i]);
+  for (size_t i = 0; i < x.size(); ++i) {
+    const Type type = t.b.type(x[i]);
+    const Scaler scaler{t, format_of(type)};
+    const Value exponent = signed_resize(t, n[i], scaler.format.bits);
+    x[i] = t.b.convert(ir::Op::kFConvert, type, scaler.scale(widened(t, x[i]), exponent));
+  }
   t.define(inst, std::move(x));
 }
 
@@ -77,18 +114,20 @@ struct Parts {
 // Zero, infinities and NaN come back as the significand with exponent 0.
 Parts frexp_parts(Translator& t, const Instruction& inst) {
   Parts out;
-  for (Value x : glsl_operand(t, inst, 0, true)) {
-    const Value magnitude = t.b.fabs(x);
-    const Value is_ordinary =
-        t.b.and_(t.b.flt(t.b.f32(0), magnitude), t.b.flt(magnitude, t.b.f32(std::numeric_limits<double>::infinity())));
-    const Value is_small = t.b.flt(magnitude, t.b.f32(0x1p-126));
-    const Value normal = t.b.fmul(x, t.b.select(is_small, t.b.f32(0x1p24), t.b.f32(1)));
-    const Value biased = t.b.and_(t.b.lshr(t.b.bitcast(Type::kI32, normal), t.b.i32(23)), t.b.i32(0xff));
-    const Value exponent = t.b.isub(biased, t.b.i32(126));  // of `normal`, significand in [0.5, 1)
-    const Value significand = scale(t, normal, t.b.isub(t.b.i32(0), exponent));
-    out.first.push_back(t.b.select(is_ordinary, significand, x));
-    const Value whole = t.b.isub(exponent, t.b.select(is_small, t.b.i32(24), t.b.i32(0)));
-    out.second.push_back(t.b.select(is_ordinary, whole, t.b.i32(0)));
+  for (Value narrow : glsl_operand(t, inst, 0, true)) {
+    const Value x = widened(t, narrow);
+    const Scaler s{t, format_of(t.b.type(x))};
+    const int64_t mantissa = s.format.mantissa_bits;
+    const Value magnitude = t.b.fabs(x), infinity = number(t, x, std::numeric_limits<double>::infinity());
+    const Value is_ordinary = t.b.and_(t.b.flt(number(t, x, 0), magnitude), t.b.flt(magnitude, infinity));
+    const Value is_small = t.b.flt(magnitude, s.power_of_two(s.lowest()));
+    const Value normal = t.b.fmul(x, t.b.select(is_small, s.power_of_two(mantissa + 1), s.power_of_two(0)));
+    const Value biased = t.b.lshr(t.b.bitcast(s.format.bits, t.b.fabs(normal)), s.exponent(mantissa));
+    const Value exponent = t.b.isub(biased, s.exponent(s.format.bias - 1));  // of `normal`, significand in [0.5, 1)
+    const Value significand = s.scale(normal, t.b.isub(s.exponent(0), exponent));
+    out.first.push_back(t.b.convert(ir::Op::kFConvert, t.b.type(narrow), t.b.select(is_ordinary, significand, x)));
+    const Value whole = t.b.isub(exponent, t.b.select(is_small, s.exponent(mantissa + 1), s.exponent(0)));
+    out.second.push_back(t.b.select(is_ordinary, whole, s.exponent(0)));
   }
   return out;
 }
@@ -98,15 +137,26 @@ Parts modf_parts(Translator& t, const Instruction& inst) {
   Parts out;
   for (Value x : glsl_operand(t, inst, 0, true)) {
     const Value whole = t.b.ftrunc(x);
-    out.first.push_back(t.b.select(t.b.feq(whole, x), t.b.f32(0), t.fsub(x, whole)));
+    out.first.push_back(t.b.select(t.b.feq(whole, x), number(t, x, 0), t.fsub(x, whole)));
     out.second.push_back(whole);
   }
   return out;
 }
 
+// Exponents in the width that the shader asks for.
+void fit_second(Translator& t, const Instruction& inst, Parts& p, Type to) {
+  for (Value& v : p.second) {
+    if (ir::is_int(t.b.type(v)) && ir::is_int(to)) v = signed_resize(t, v, to);
+    if (t.b.type(v) != to) inst.fail("the second result does not have its type");
+  }
+}
+
 template <Parts (*kParts)(Translator&, const Instruction&)>
 void to_struct(Translator& t, const Instruction& inst) {
   Parts p = kParts(t, inst);
+  const std::vector<Type> wanted = t.m.flat_scalars(inst.word(1));
+  if (wanted.size() != 2 * p.first.size()) inst.fail("the result is not a struct of two parts");
+  fit_second(t, inst, p, wanted.back());
   p.first.insert(p.first.end(), p.second.begin(), p.second.end());
   t.define(inst, std::move(p.first));
 }
@@ -114,7 +164,9 @@ void to_struct(Translator& t, const Instruction& inst) {
 template <Parts (*kParts)(Translator&, const Instruction&)>
 void to_pointer(Translator& t, const Instruction& inst) {
   Parts p = kParts(t, inst);
-  t.store(inst, t.pointer(inst, kFirstOperand + 1), p.second);
+  const Pointer to = t.pointer(inst, kFirstOperand + 1);
+  fit_second(t, inst, p, t.component_of(t.m.type(to.pointee)));
+  t.store(inst, to, p.second);
   t.define(inst, std::move(p.first));
 }
 

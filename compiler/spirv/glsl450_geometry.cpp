@@ -33,7 +33,7 @@ void cross(Translator& t, const Instruction& inst) {
 
 void normalize(Translator& t, const Instruction& inst) {
   Values v = vector(t, inst, 0);
-  const Value inverse = t.b.fdiv(t.b.f32(1), length_of(t, v));
+  const Value inverse = t.b.fdiv(number(t, v[0], 1), length_of(t, v));
   for (Value& x : v) x = t.fmul(x, inverse);
   t.define(inst, std::move(v));
 }
@@ -41,7 +41,7 @@ void normalize(Translator& t, const Instruction& inst) {
 void face_forward(Translator& t, const Instruction& inst) {
   Values n = vector(t, inst, 0);
   const Values i = vector(t, inst, 1, n.size()), reference = vector(t, inst, 2, n.size());
-  const Value keep = t.b.flt(t.dot(reference, i), t.b.f32(0));
+  const Value keep = t.b.flt(t.dot(reference, i), number(t, n[0], 0));
   for (Value& x : n) x = t.b.select(keep, x, t.b.fneg(x));
   t.define(inst, std::move(n));
 }
@@ -50,7 +50,7 @@ void face_forward(Translator& t, const Instruction& inst) {
 void reflect(Translator& t, const Instruction& inst) {
   Values i = vector(t, inst, 0);
   const Values n = vector(t, inst, 1, i.size());
-  const Value twice = t.fmul(t.b.f32(2), t.dot(n, i));
+  const Value twice = t.fmul(number(t, n[0], 2), t.dot(n, i));
   for (size_t k = 0; k < i.size(); ++k) i[k] = t.fsub(i[k], t.fmul(twice, n[k]));
   t.define(inst, std::move(i));
 }
@@ -59,7 +59,7 @@ void reflect(Translator& t, const Instruction& inst) {
 void refract(Translator& t, const Instruction& inst) {
   Values i = vector(t, inst, 0);
   const Values n = vector(t, inst, 1, i.size());
-  const Value eta = t.scalar(inst, kFirstOperand + 2, ir::Type::kF32), one = t.b.f32(1), zero = t.b.f32(0);
+  const Value eta = t.scalar(inst, kFirstOperand + 2, t.b.type(n[0])), one = number(t, eta, 1), zero = number(t, eta, 0);
   const Value d = t.dot(n, i);
   const Value k = t.fsub(one, t.fmul(t.fmul(eta, eta), t.fsub(one, t.fmul(d, d))));
   const Value total_reflection = t.b.flt(k, zero);
@@ -121,7 +121,7 @@ void matrix_inverse(Translator& t, const Instruction& inst) {
       cofactors[c * n + r] = (c + r) % 2 ? t.b.fneg(v) : v;
     }
   }
-  const Value inverse = t.b.fdiv(t.b.f32(1), t.dot(std::span(m).first(n), std::span(cofactors).first(n)));
+  const Value inverse = t.b.fdiv(number(t, m[0], 1), t.dot(std::span(m).first(n), std::span(cofactors).first(n)));
   Values out;
   for (uint32_t c = 0; c < n; ++c) {
     for (uint32_t r = 0; r < n; ++r) out.push_back(t.fmul(cofactors[r * n + c], inverse));

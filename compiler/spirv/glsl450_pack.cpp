@@ -14,6 +14,7 @@ void pack_norm(Translator& t, const Instruction& inst) {
   constexpr uint32_t kBits = 32 / kCount;
   constexpr double kScale = kSigned ? (1u << (kBits - 1)) - 1 : (1u << kBits) - 1;
   const Values v = glsl_operand(t, inst, 0, true, kCount);
+  if (t.b.type(v[0]) != Type::kF32) inst.fail("needs 32-bit floats");
   Value out;
   for (uint32_t i = 0; i < kCount; ++i) {
     const Value clamped = t.b.fmin(t.b.fmax(v[i], t.b.f32(kSigned ? -1 : 0)), t.b.f32(1));
@@ -43,6 +44,7 @@ void unpack_norm(Translator& t, const Instruction& inst) {
 
 void pack_half(Translator& t, const Instruction& inst) {
   const Values v = glsl_operand(t, inst, 0, true, 2);
+  if (t.b.type(v[0]) != Type::kF32) inst.fail("needs 32-bit floats");
   Value half[2];
   for (uint32_t i = 0; i < 2; ++i) {
     const Value bits = t.b.bitcast(Type::kI16, t.b.convert(Op::kFConvert, Type::kF16, v[i]));
@@ -61,12 +63,27 @@ void unpack_half(Translator& t, const Instruction& inst) {
   t.define(inst, std::move(out));
 }
 
+void pack_double(Translator& t, const Instruction& inst) {
+  const Values v = glsl_operand(t, inst, 0, false, 2);
+  if (t.b.type(v[0]) != Type::kI32) inst.fail("needs 32-bit integers");
+  const Value high = t.b.shl(t.b.convert(Op::kZExt, Type::kI64, v[1]), t.b.i64(32));
+  t.define(inst, Values{t.b.bitcast(Type::kF64, t.b.or_(t.b.convert(Op::kZExt, Type::kI64, v[0]), high))});
+}
+
+void unpack_double(Translator& t, const Instruction& inst) {
+  const Value bits = t.b.bitcast(Type::kI64, t.scalar(inst, kFirstOperand, Type::kF64));
+  t.define(inst, Values{t.b.convert(Op::kTrunc, Type::kI32, bits),
+                        t.b.convert(Op::kTrunc, Type::kI32, t.b.lshr(bits, t.b.i64(32)))});
+}
+
 constexpr ExtRow kRows[] = {
     PINEDA_GLSL_ROW(PackSnorm4x8, 1, pack_norm<4, true>),
     PINEDA_GLSL_ROW(PackUnorm4x8, 1, pack_norm<4, false>),
     PINEDA_GLSL_ROW(PackSnorm2x16, 1, pack_norm<2, true>),
     PINEDA_GLSL_ROW(PackUnorm2x16, 1, pack_norm<2, false>),
     PINEDA_GLSL_ROW(PackHalf2x16, 1, pack_half),
+    PINEDA_GLSL_ROW(PackDouble2x32, 1, pack_double),
+    PINEDA_GLSL_ROW(UnpackDouble2x32, 1, unpack_double),
     PINEDA_GLSL_ROW(UnpackSnorm2x16, 1, unpack_norm<2, true>),
     PINEDA_GLSL_ROW(UnpackUnorm2x16, 1, unpack_norm<2, false>),
     PINEDA_GLSL_ROW(UnpackHalf2x16, 1, unpack_half),

@@ -151,7 +151,7 @@ std::array<int32_t, 3> constant_offset(Translator& t, const Instruction& inst, u
   const std::vector<ir::Type> types = t.m.flat_scalars(c->type);
   if (types.empty() || types.size() > 3 || types[0] != ir::Type::kI32) inst.fail("a texel offset must be 1 to 3 integers");
   std::array<int32_t, 3> out{};
-  for (size_t i = 0; i < c->scalars.size(); ++i) out[i] = std::bit_cast<int32_t>(c->scalars[i]);
+  for (size_t i = 0; i < c->scalars.size(); ++i) out[i] = static_cast<int32_t>(c->scalars[i]);
   return out;
 }
 
@@ -161,7 +161,7 @@ void gather_offsets(Translator& t, const Instruction& inst, uint32_t id, Operand
     inst.fail("ConstOffsets must be four constant pairs of integers");
   }
   for (uint32_t i = 0; i < 4; ++i) {
-    const auto part = [&](uint32_t k) { return c->scalars.empty() ? 0 : std::bit_cast<int32_t>(c->scalars[2 * i + k]); };
+    const auto part = [&](uint32_t k) { return c->scalars.empty() ? 0 : static_cast<int32_t>(c->scalars[2 * i + k]); };
     out.gather_offsets.push_back({part(0), part(1), 0});
   }
 }

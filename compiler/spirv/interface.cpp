@@ -1,5 +1,5 @@
 // Input and Output variables, flattened to InterfaceScalars (Vulkan's "Location Assignment" and "Component Assignment"), and the
-// layout of Workgroup memory (ours to choose: 4 bytes a scalar, in order of declaration).
+// layout of Workgroup memory (ours to choose: Type::natural_bytes, in order of declaration).
 #include <algorithm>
 #include <tuple>
 
@@ -93,10 +93,10 @@ class Flattener {
       case TypeKind::kBool:
       case TypeKind::kInt:
       case TypeKind::kFloat:
-        vector(t.scalar, 1, place);
+        vector(t, 1, place);
         break;
       case TypeKind::kVector:
-        vector(m_.type(t.element).scalar, t.count, place);
+        vector(m_.type(t.element), t.count, place);
         break;
       case TypeKind::kMatrix:
       case TypeKind::kArray:
@@ -116,22 +116,34 @@ class Flattener {
     }
   }
 
-  void vector(ir::Type scalar, uint32_t count, Place& place) {
-    for (uint32_t i = 0; i < count; ++i) {
-      if (place.built_in)
-        built_in(scalar, *place.built_in, place.component + i);
-      else
-        located(scalar, place, place.component + i);
-    }
-    if (place.built_in)
+  void vector(const Type& scalar, uint32_t count, Place& place) {
+    if (place.built_in) {
+      for (uint32_t i = 0; i < count; ++i) built_in(scalar.scalar, *place.built_in, place.component + i);
       place.component += count;
-    else
-      ++*place.location;
+      return;
+    }
+    if (!place.location) refuse("has neither a Location nor a BuiltIn decoration");
+    // A 64-bit number takes two components; dvec3 and dvec4 take two Locations.
+    const uint32_t words = ir::size_bytes(scalar.scalar) == 8 ? 2 : 1;
+    for (uint32_t i = 0; i < count; ++i) {
+      Place at = place;
+      at.component = place.component + words * i;
+      if (words == 2) {
+        *at.location += at.component / 4;
+        at.component %= 4;
+      }
+      located(scalar, at, words == 2);
+    }
+    *place.location += words == 2 && place.component + 2 * count > 4 ? 2 : 1;
   }
 
   void built_in(ir::Type scalar, uint32_t number, uint32_t component) {
     const auto* row =
         std::ranges::find(kBuiltIns, number, [](const BuiltInRow& r) { return static_cast<uint32_t>(r.spv_built_in); });
+    if (number == static_cast<uint32_t>(spv::BuiltInDeviceIndex) && scalar == ir::Type::kI32) {  // there is one device
+      entries_.push_back({.is_zero = true});
+      return;
+    }
     if (row == std::end(kBuiltIns)) {
       entries_.push_back({.unknown_built_in = number});
       return;
@@ -140,21 +152,28 @@ class Flattener {
     entries_.push_back({.scalar = InterfaceScalar{.built_in = row->built_in, .component = component, .type = scalar}});
   }
 
-  void located(ir::Type scalar, const Place& place, uint32_t component) {
-    if (!place.location) refuse("has neither a Location nor a BuiltIn decoration");
+  void located(const Type& scalar, const Place& place, bool is_wide) {
     if (*place.location >= 1024) refuse("its Location is out of range");
-    if (component > 3) refuse("goes past component 3 of its Location");
-    if (scalar == ir::Type::kB1) refuse("a bool cannot have a Location");
-    InterfaceScalar s{
-        .location = *place.location, .component = component, .index = place.flags.index.value_or(0), .type = scalar};
-    const bool integer = scalar != ir::Type::kF32;  // integers are never interpolated
-    s.interpolation = place.flags.flat || integer  ? Interpolation::kFlat
-                      : place.flags.no_perspective ? Interpolation::kNoPerspective
-                                                   : Interpolation::kPerspective;
+    if (place.component + is_wide > 3) refuse("goes past component 3 of its Location");
+    if (scalar.kind != TypeKind::kInt && scalar.kind != TypeKind::kFloat) refuse("only numbers can have a Location");
+    if (ir::size_bytes(scalar.scalar) == 1) refuse("an 8-bit number cannot have a Location");
+    const bool interpolates = scalar.kind == TypeKind::kFloat && !is_wide;
+    InterfaceScalar s{.location = *place.location,
+                      .component = place.component,
+                      .index = place.flags.index.value_or(0),
+                      .type = interpolates ? ir::Type::kF32 : ir::Type::kI32};
+    s.interpolation = place.flags.flat || !interpolates ? Interpolation::kFlat
+                      : place.flags.no_perspective      ? Interpolation::kNoPerspective
+                                                        : Interpolation::kPerspective;
     s.at = place.flags.sample     ? InterpolationAt::kSample
            : place.flags.centroid ? InterpolationAt::kCentroid
                                   : InterpolationAt::kCenter;
-    entries_.push_back({.scalar = s});
+    InterfaceEntry entry{.scalar = s, .is_signed = scalar.is_signed};
+    if (is_wide) {
+      ++s.component;
+      entry.high = s;
+    }
+    entries_.push_back(entry);
   }
 
   const Module& m_;
@@ -178,21 +197,26 @@ void list_entries(Module& m, Variable& v) {
   for (size_t i = 0; i < entries.size(); ++i) {
     const bool wanted = is_input || v.written_scalars[i] || v.initializer != 0;
     if (!entries[i].scalar) {
-      if (wanted) fail("BuiltIn " + std::to_string(entries[i].unknown_built_in) + " is not supported.", v.offset_words);
+      if (wanted && !(is_input && entries[i].is_zero)) fail("BuiltIn " + std::to_string(entries[i].unknown_built_in) + " is not supported.", v.offset_words);
       continue;
     }
     const InterfaceScalar& s = *entries[i].scalar;
     if (!wanted && s.built_in) continue;
-    (is_input ? m.info.inputs : m.info.outputs).push_back(s);
+    std::vector<InterfaceScalar>& list = is_input ? m.info.inputs : m.info.outputs;
+    list.push_back(s);
+    if (entries[i].high) list.push_back(*entries[i].high);
     if (s.built_in == BuiltIn::kFragDepth) m.info.writes_depth = true;
   }
 }
 
 void place_shared(Module& m, const Variable& v) {
-  const uint64_t size = m.type(v.pointee).scalar_count * 4;
-  m.shared_offset_bytes[v.id] = m.info.shared_memory_bytes;
-  if (size + m.info.shared_memory_bytes > kMaxSharedBytes) fail("Workgroup variables take more than 1 MiB.", v.offset_words);
-  m.info.shared_memory_bytes += static_cast<uint32_t>(size);
+  const Type& type = m.type(v.pointee);
+  if (!type.is_value) fail("A Workgroup variable's type has no size.", v.offset_words);
+  const uint64_t alignment = type.natural_alignment_bytes;
+  const uint64_t start = (m.info.shared_memory_bytes + alignment - 1) / alignment * alignment;
+  if (start + type.natural_bytes > kMaxSharedBytes) fail("Workgroup variables take more than 1 MiB.", v.offset_words);
+  m.shared_offset_bytes[v.id] = static_cast<uint32_t>(start);
+  m.info.shared_memory_bytes = static_cast<uint32_t>(start + type.natural_bytes + 3) / 4 * 4;
 }
 
 }  // namespace

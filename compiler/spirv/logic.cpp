@@ -26,7 +26,7 @@ template <Operands kOperands, Relation kRelation>
 void relate(Translator& t, const Instruction& inst) {
   Values a = operand<kOperands>(t, inst, 3);
   const Values c = operand<kOperands>(t, inst, 4);
-  if (a.size() != c.size()) inst.fail("the operands have different sizes");
+  if (a.size() != c.size() || t.b.type(a[0]) != t.b.type(c[0])) inst.fail("the operands have different types");
   for (size_t i = 0; i < a.size(); ++i) a[i] = kRelation(t.b, a[i], c[i]);
   t.define(inst, std::move(a));
 }

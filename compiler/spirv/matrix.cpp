@@ -24,8 +24,10 @@ Matrix matrix(Translator& t, const Instruction& inst, uint32_t word) {
   return {.v = t.values(inst, word), .rows = t.m.type(type.element).count, .columns = type.count};
 }
 
+// The float vector at `word`, with the component type of the other operand.
 Values vector(Translator& t, const Instruction& inst, uint32_t word, size_t size) {
   Values v = t.floats(inst, word);
+  if (t.b.type(v[0]) != t.component_of(t.type_of(inst, word == 3 ? 4 : 3))) inst.fail("the operands have different types");
   if (v.size() != size)
     inst.fail("%" + std::to_string(inst.word(word)) + " does not have " + std::to_string(size) + " components");
   return v;
@@ -64,7 +66,7 @@ void vector_times_matrix(Translator& t, const Instruction& inst) {
 
 void matrix_times_matrix(Translator& t, const Instruction& inst) {
   const Matrix a = matrix(t, inst, 3), c = matrix(t, inst, 4);
-  if (a.columns != c.rows) inst.fail("the matrices do not fit");
+  if (a.columns != c.rows || t.b.type(a.v[0]) != t.b.type(c.v[0])) inst.fail("the matrices do not fit");
   Values out;
   for (uint32_t column = 0; column < c.columns; ++column) {
     const Values part = product(t, a, c.column(column));
@@ -75,6 +77,7 @@ void matrix_times_matrix(Translator& t, const Instruction& inst) {
 
 void outer_product(Translator& t, const Instruction& inst) {
   const Values column = t.floats(inst, 3), row = t.floats(inst, 4);
+  if (t.b.type(column[0]) != t.b.type(row[0])) inst.fail("the operands have different types");
   Values out;
   for (Value y : row) {
     for (Value x : column) out.push_back(t.fmul(x, y));

@@ -7,28 +7,38 @@
 namespace pineda::spirv {
 namespace {
 
-// Calls fn(scalar type, bytes from the pointer) for every scalar of a value in a buffer, in flattened order.
+// Calls fn(scalar type, bytes from the pointer) for every scalar of a value in memory, in flattened order.
 struct LayoutWalk {
   const Module& m;
   const Instruction& inst;
+  const bool natural;
   const std::function<void(ir::Type, uint32_t)>& fn;
 
   void walk(uint32_t type_id, uint64_t at, const Pointer& layout) const {
     const Type& type = m.type(type_id);
     switch (type.kind) {
+      case TypeKind::kBool:
+        if (!natural) inst.fail("a bool cannot be in a buffer");
+        [[fallthrough]];
       case TypeKind::kInt:
       case TypeKind::kFloat:
         if (at > 0xffffffffull) inst.fail("an offset is beyond 4 GiB");
         fn(type.scalar, static_cast<uint32_t>(at));
         break;
       case TypeKind::kVector:
-        for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + uint64_t{i} * layout.component_stride_bytes, layout);
+        for (uint32_t i = 0; i < type.count; ++i) {
+          walk(type.element, at + uint64_t{i} * component_stride_bytes(m, type, layout), layout);
+        }
+        break;
+      case TypeKind::kPointer:
+        if (!type.is_scalar()) inst.fail("a pointer that is not physical cannot be in a buffer");
+        fn(type.scalar, static_cast<uint32_t>(at));
         break;
       case TypeKind::kMatrix:
         matrix(type, at, layout);
         break;
       case TypeKind::kArray: {
-        const uint64_t stride = array_stride_bytes(m, inst, type);
+        const uint64_t stride = array_stride_bytes(m, inst, type, natural);
         for (uint32_t i = 0; i < type.count; ++i) walk(type.element, at + i * stride, layout);
         break;
       }
@@ -36,11 +46,8 @@ struct LayoutWalk {
         for (uint32_t i = 0; i < type.members.size(); ++i) {
           const Decorations& d = m.member_of(type_id, i);
           Pointer inner = layout;
-          if (d.matrix_stride) {
-            inner.matrix_stride_bytes = multiple_of_4(inst, *d.matrix_stride, "MatrixStride");
-            inner.row_major = d.row_major;
-          }
-          walk(type.members[i], at + member_offset_bytes(m, inst, type, i), inner);
+          set_matrix_layout(inner, d);
+          walk(type.members[i], at + member_offset_bytes(m, inst, type, i, natural), inner);
         }
         break;
       default:
@@ -49,24 +56,23 @@ struct LayoutWalk {
   }
 
   void matrix(const Type& type, uint64_t at, const Pointer& layout) const {
-    if (layout.matrix_stride_bytes == 0) inst.fail("a matrix in a buffer has no MatrixStride");
+    const MatrixStrides strides = matrix_strides(m, inst, type, layout);
     Pointer column = layout;
-    column.component_stride_bytes = layout.row_major ? layout.matrix_stride_bytes : 4;
-    const uint64_t column_stride = layout.row_major ? 4 : layout.matrix_stride_bytes;
-    for (uint32_t c = 0; c < type.count; ++c) walk(type.element, at + c * column_stride, column);
+    column.component_stride_bytes = strides.component_bytes;
+    for (uint32_t c = 0; c < type.count; ++c) walk(type.element, at + uint64_t{c} * strides.column_bytes, column);
   }
 };
 
-void for_each_in_buffer(const Module& m, const Instruction& inst, const Pointer& p,
+void for_each_in_memory(const Module& m, const Instruction& inst, const Pointer& p,
                         const std::function<void(ir::Type, uint32_t)>& fn) {
   m.flat_scalars(p.pointee);  // bounds the size
-  LayoutWalk{m, inst, fn}.walk(p.pointee, 0, p);
+  LayoutWalk{m, inst, has_natural_layout(p.storage), fn}.walk(p.pointee, 0, p);
 }
 
 // The struct that a buffer variable points to, or to an array of which it points.
 const Type& block_type(const Module& m, uint32_t variable) {
   const Type& type = m.type(m.variable(variable)->pointee);
-  return type.kind == TypeKind::kArray ? m.type(type.element) : type;
+  return type.kind == TypeKind::kArray || type.kind == TypeKind::kRuntimeArray ? m.type(type.element) : type;
 }
 
 }  // namespace
@@ -74,7 +80,7 @@ const Type& block_type(const Module& m, uint32_t variable) {
 // ---- addresses ------------------------------------------------------------------------------------------------------------
 
 bool Translator::is_writable(const Pointer& p) const {
-  return p.storage == spv::StorageClassStorageBuffer ||
+  return p.storage == spv::StorageClassStorageBuffer || p.storage == spv::StorageClassPhysicalStorageBuffer ||
          (p.storage == spv::StorageClassUniform && m.decorations_of(block_type(m, p.variable).id).buffer_block);
 }
 
@@ -92,24 +98,39 @@ BufferRef Translator::buffer(const Instruction& inst, const Pointer& p) {
   return *ref;
 }
 
+BufferRef Translator::memory_of(const Instruction& inst, const Pointer& p) {
+  if (p.base) return {.base = p.base, .size_bytes = p.size_bytes};
+  if (p.storage == spv::StorageClassWorkgroup) return {.base = shared_, .size_bytes = b.i32(m.info.shared_memory_bytes)};
+  return buffer(inst, p);
+}
+
+uint64_t Translator::static_offset_bytes(const Pointer& p) const {
+  const bool is_shared = p.storage == spv::StorageClassWorkgroup && p.variable != 0;
+  return uint64_t{p.offset} + (is_shared ? m.shared_offset_bytes.at(p.variable) : 0);
+}
+
 ir::Address Translator::address(const Instruction& inst, const Pointer& p, uint32_t extra_bytes) {
-  if (p.storage == spv::StorageClassWorkgroup) {
-    const uint32_t start = m.shared_offset_bytes.at(p.variable) + 4 * p.offset + extra_bytes;
-    ir::Value offset = b.i32(start);
-    if (p.index) offset = b.iadd(b.shl(p.index, b.i32(2)), offset);
-    return {.base = shared_, .offset = offset, .limit = b.i32(m.info.shared_memory_bytes)};
-  }
-  const BufferRef ref = buffer(inst, p);
-  const uint64_t start = uint64_t{p.offset} + extra_bytes;
+  const BufferRef ref = memory_of(inst, p);
+  const uint64_t start = static_offset_bytes(p) + extra_bytes;
   if (start > 0xffffffffull) inst.fail("an offset is beyond 4 GiB");
   ir::Value offset = b.i32(static_cast<uint32_t>(start));
   if (p.index) offset = b.iadd(p.index, offset);
   return {.base = ref.base, .offset = offset, .limit = ref.size_bytes};
 }
 
+// Memory that begins where a descriptor points is aligned by the rules for descriptors; what lies in it may not be.
+ir::Address Translator::atomic_address(const Instruction& inst, const Pointer& p) {
+  const uint32_t size_bytes = ir::size_bytes(m.type(p.pointee).scalar);
+  ir::Address at = address(inst, p);
+  const bool is_aligned = static_offset_bytes(p) % size_bytes == 0 && (!p.index || p.index_alignment_bytes >= size_bytes);
+  if (!is_aligned) at.offset = b.and_(at.offset, b.i32(0 - size_bytes));
+  return at;
+}
+
 // Memory that nothing writes during the kernel may be read earlier: uniform memory always, storage buffers when this shader
 // writes none.
 uint8_t Translator::load_flags(const Pointer& from) const {
+  if (from.storage == spv::StorageClassWorkgroup) return 0;
   return !is_writable(from) || !m.info.writes_memory ? ir::kInvariant : 0;
 }
 
@@ -126,6 +147,7 @@ Values Translator::load(const Instruction& inst, const Pointer& from) {
     case spv::StorageClassUniform:
     case spv::StorageClassStorageBuffer:
     case spv::StorageClassPushConstant:
+    case spv::StorageClassPhysicalStorageBuffer:
       return load_memory(inst, from);
     default:
       inst.fail("this storage class cannot be read here");
@@ -143,18 +165,12 @@ Values Translator::load_flat(const Instruction& inst, const Pointer& from) {
 
 Values Translator::load_memory(const Instruction& inst, const Pointer& from) {
   Values out;
-  if (from.storage == spv::StorageClassWorkgroup) {
-    const std::vector<ir::Type> types = m.flat_scalars(from.pointee);
-    for (uint32_t i = 0; i < types.size(); ++i) {  // bools are 0 or 1 in memory
-      const bool is_bool = types[i] == ir::Type::kB1;
-      const ir::Value v = b.load(is_bool ? ir::Type::kI32 : types[i], address(inst, from, 4 * i));
-      out.push_back(is_bool ? b.ine(v, b.i32(0)) : v);
-    }
-    return out;
-  }
   const uint8_t flags = load_flags(from);
-  for_each_in_buffer(m, inst, from,
-                     [&](ir::Type type, uint32_t at) { out.push_back(b.load(type, address(inst, from, at), flags)); });
+  for_each_in_memory(m, inst, from, [&](ir::Type type, uint32_t at) {
+    const bool is_bool = type == ir::Type::kB1;  // 0 or 1 in memory
+    const ir::Value v = b.load(is_bool ? ir::Type::kI32 : type, address(inst, from, at), flags);
+    out.push_back(is_bool ? b.ine(v, b.i32(0)) : v);
+  });
   return out;
 }
 
@@ -175,6 +191,7 @@ void Translator::store(const Instruction& inst, const Pointer& to, const Values&
       return store_memory(inst, to, values);
     case spv::StorageClassUniform:
     case spv::StorageClassStorageBuffer:
+    case spv::StorageClassPhysicalStorageBuffer:
       if (!is_writable(to)) inst.fail("uniform buffers cannot be written");
       return effect([&] { store_memory(inst, to, values); });
     default:
@@ -189,14 +206,10 @@ void Translator::store_flat(const Instruction& inst, const Pointer& to, const Va
 
 void Translator::store_memory(const Instruction& inst, const Pointer& to, const Values& values) {
   uint32_t i = 0;
-  if (to.storage == spv::StorageClassWorkgroup) {
-    for (; i < values.size(); ++i) {
-      const bool is_bool = b.type(values[i]) == ir::Type::kB1;
-      b.store(address(inst, to, 4 * i), is_bool ? b.convert(ir::Op::kZExt, ir::Type::kI32, values[i]) : values[i]);
-    }
-    return;
-  }
-  for_each_in_buffer(m, inst, to, [&](ir::Type, uint32_t at) { b.store(address(inst, to, at), values[i++]); });
+  for_each_in_memory(m, inst, to, [&](ir::Type type, uint32_t at) {
+    const ir::Value v = values[i++];
+    b.store(address(inst, to, at), type == ir::Type::kB1 ? b.convert(ir::Op::kZExt, ir::Type::kI32, v) : v);
+  });
 }
 
 // ---- instructions ---------------------------------------------------------------------------------------------------------
@@ -235,25 +248,36 @@ void op_copy_memory(Translator& t, const Instruction& inst) {
   t.store(inst, t.pointer(inst, 1), t.load(inst, t.pointer(inst, 2)));
 }
 
+// A constant number of bytes between objects of one type that is as long, as glslang and LLVM write it.
+void op_copy_memory_sized(Translator& t, const Instruction& inst) {
+  const Pointer to = t.pointer(inst, 1), from = t.pointer(inst, 2);
+  const uint64_t size_bytes = t.m.type(to.pointee).natural_bytes;
+  if (to.pointee != from.pointee || t.m.constant_u32(inst, inst.word(3)) != size_bytes) {
+    inst.fail("only whole objects of one type can be copied, of " + std::to_string(size_bytes) + " bytes here");
+  }
+  t.store(inst, to, t.load(inst, from));
+}
+
 void op_array_length(Translator& t, const Instruction& inst) {
   const Pointer p = t.pointer(inst, 3);
   const Type& type = t.m.type(p.pointee);
   const uint32_t member = inst.word(4);
   const bool fits = type.kind == TypeKind::kStruct && member + 1 == type.members.size() &&
-                    t.m.type(type.members[member]).kind == TypeKind::kRuntimeArray && p.storage != spv::StorageClassWorkgroup;
+                    t.m.type(type.members[member]).kind == TypeKind::kRuntimeArray && p.storage != spv::StorageClassWorkgroup &&
+                    !is_flat(p.storage);
   if (!fits) inst.fail("the member is not a runtime array at the end of a buffer's struct");
-  const ir::Value start = t.b.i32(member_offset_bytes(t.m, inst, type, member));
-  const ir::Value size = t.buffer(inst, p).size_bytes;
+  const ir::Value start = t.b.i32(member_offset_bytes(t.m, inst, type, member, false));
+  ir::Value size = t.memory_of(inst, p).size_bytes;
+  if (p.index) size = t.b.isub(size, t.b.umin(size, p.index));  // a variable pointer to the struct
   const ir::Value bytes = t.b.isub(t.b.umax(size, start), start);
-  t.define(inst, Values{t.b.udiv(bytes, t.b.i32(array_stride_bytes(t.m, inst, t.m.type(type.members[member]))))});
+  t.define(inst, Values{t.b.udiv(bytes, t.b.i32(array_stride_bytes(t.m, inst, t.m.type(type.members[member]), false)))});
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(AccessChain, 4, access_chain),
-    PINEDA_SPIRV_ROW(InBoundsAccessChain, 4, access_chain),
     PINEDA_SPIRV_ROW(Load, 4, op_load),
     PINEDA_SPIRV_ROW(Store, 3, op_store),
     PINEDA_SPIRV_ROW(CopyMemory, 3, op_copy_memory),
+    PINEDA_SPIRV_ROW(CopyMemorySized, 4, op_copy_memory_sized),
     PINEDA_SPIRV_ROW(ArrayLength, 5, op_array_length),
 };
 

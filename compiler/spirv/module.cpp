@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/deep_stack.h"
+
 namespace pineda::spirv {
 
 const Type& Module::type(uint32_t id) const {
@@ -54,7 +56,7 @@ bool Module::is_ignored_import(uint32_t id) const { return std::ranges::find(ign
 uint32_t Module::constant_u32(const Instruction& user, uint32_t id) const {
   const Constant* c = constant(id);
   if (!c || type(c->type).kind != TypeKind::kInt) user.fail("%" + std::to_string(id) + " is not an integer constant");
-  return c->scalars.empty() ? 0 : c->scalars[0];
+  return c->scalars.empty() ? 0 : static_cast<uint32_t>(std::min<uint64_t>(c->scalars[0], ~0u));
 }
 
 std::vector<ir::Type> Module::flat_scalars(uint32_t type_id) const {
@@ -62,6 +64,7 @@ std::vector<ir::Type> Module::flat_scalars(uint32_t type_id) const {
   if (!t.is_value) fail("Type %" + std::to_string(type_id) + " cannot be a value.");
   if (t.scalar_count > kMaxFlatScalars) fail("Type %" + std::to_string(type_id) + " has more than 16384 scalars.");
   if (t.is_scalar()) return {t.scalar};
+  if (t.kind == TypeKind::kPointer) return {kPointerScalars.begin(), kPointerScalars.end()};
   std::vector<ir::Type> out;
   if (t.kind == TypeKind::kStruct) {
     for (uint32_t member : t.members) {
@@ -115,7 +118,7 @@ class Parser {
     switch (inst.op()) {
       case spv::OpCapability:
       case spv::OpMemoryModel:
-        check_support(inst);
+        check_support(m_, inst);
         break;
       case spv::OpExtInstImport:
         import(inst);
@@ -139,7 +142,7 @@ class Parser {
     const std::string name = inst.string(2);
     if (name == "GLSL.std.450")
       m_.glsl_std_450 = inst.word(1);
-    else if (name.starts_with("NonSemantic."))
+    else if (name.starts_with("NonSemantic.") || name == "OpenCL.DebugInfo.100")
       m_.ignored_imports.push_back(inst.word(1));
     else
       inst.fail("extended instruction set \"" + name + "\" is not supported");
@@ -175,7 +178,7 @@ class Parser {
       if (op == spv::OpFunction) in_function = true;
       if (op == spv::OpFunctionEnd) in_function = false;
       if (in_function) continue;
-      if (op >= spv::OpTypeVoid && op <= spv::OpTypeFunction) {
+      if ((op >= spv::OpTypeVoid && op <= spv::OpTypeFunction) || op == spv::OpTypeForwardPointer) {
         declare_type(m_, inst);
       } else if ((op >= spv::OpConstantTrue && op <= spv::OpSpecConstantOp) || op == spv::OpUndef) {
         declare_constant(m_, inst, source_.specialization);
@@ -211,7 +214,7 @@ class Parser {
       if (d.built_in != static_cast<uint32_t>(spv::BuiltInWorkgroupSize)) continue;
       const Constant* c = m_.constant(id);
       if (!c || c->scalars.size() != 3) fail("The WorkgroupSize built-in is not a constant of three integers.");
-      for (uint32_t axis = 0; axis < 3; ++axis) m_.info.local_size[axis] = c->scalars[axis];
+      for (uint32_t axis = 0; axis < 3; ++axis) m_.info.local_size[axis] = static_cast<uint32_t>(c->scalars[axis]);
     }
   }
 
@@ -224,7 +227,7 @@ class Parser {
 Result<ModulePtr> parse(const ShaderSource& source) {
   ModulePtr module(new Module);
   try {
-    Parser(source, *module).run();
+    with_deep_stack([&] { Parser(source, *module).run(); });
   } catch (Fault& fault) {
     return std::unexpected(std::move(fault.error));
   }

@@ -39,6 +39,9 @@ enum class TypeKind : uint8_t {
   kFunction
 };
 
+// What a pointer that is a value consists of: address of the memory, its size in bytes, offset in bytes.
+inline constexpr std::array<ir::Type, 3> kPointerScalars{ir::Type::kI64, ir::Type::kI32, ir::Type::kI32};
+
 struct ImageType {
   spv::Dim dim = spv::Dim2D;
   bool arrayed = false, multisampled = false;
@@ -60,6 +63,10 @@ struct Type {
   uint64_t scalar_count = 0;      // may be far beyond kMaxFlatScalars for arrays in buffers
   std::vector<uint32_t> members;  // struct members, function parameters
   std::vector<uint64_t> first_scalar;  // of each struct member
+  // The layout that we choose where the shader declares none (Workgroup memory): every scalar at its natural alignment.
+  uint64_t natural_bytes = 0;
+  uint32_t natural_alignment_bytes = 1;
+  std::vector<uint64_t> natural_offset_bytes;  // of each struct member
   ImageType image;
 
   bool is_scalar() const { return scalar != ir::Type::kVoid; }
@@ -67,15 +74,16 @@ struct Type {
 
 struct Decorations {
   std::optional<uint32_t> location, component, index, built_in, set, binding, spec_id, array_stride, matrix_stride, offset;
+  std::optional<spv::FPRoundingMode> rounding_mode;
   bool flat = false, no_perspective = false, centroid = false, sample = false;
   bool row_major = false, buffer_block = false, non_writable = false, no_contraction = false;
 };
 
-// Bits of each scalar (a float's binary32 pattern); empty = all zero.
+// Bits of each scalar, zero-extended (a float's own pattern, a bool as 0 or 1); empty = all zero.
 struct Constant {
   uint32_t type = 0;
   bool is_spec = false;
-  std::vector<uint32_t> scalars;
+  std::vector<uint64_t> scalars;
 };
 
 struct Variable {
@@ -112,9 +120,12 @@ struct Function {
   std::vector<bool> written_parameters;
 };
 
-// One scalar of an Input or Output variable.
+// One scalar of an Input or Output variable. Stages exchange 32-bit words: a 16-bit number travels widened, a 64-bit one as two.
 struct InterfaceEntry {
   std::optional<InterfaceScalar> scalar;
+  std::optional<InterfaceScalar> high;  // the upper word of a 64-bit number
+  bool is_signed = false;
+  bool is_zero = false;           // an input that is always zero; scalar is unset
   uint32_t unknown_built_in = 0;  // when scalar is unset
 };
 
@@ -124,6 +135,7 @@ class Module {
   std::vector<Instruction> instructions;  // views of words
   VkShaderStageFlagBits stage = VK_SHADER_STAGE_COMPUTE_BIT;
   uint32_t bound = 0;
+  bool variable_pointers = false;    // pointers to storage buffers and Workgroup memory are values
   std::vector<uint32_t> definition;  // id -> 1 + index of the instruction that defines it; 0 = none
   std::unordered_map<uint32_t, Type> types;
   std::unordered_map<uint32_t, Constant> constants;
@@ -156,8 +168,15 @@ class Module {
   static uint64_t member_key(uint32_t struct_type, uint32_t member) { return static_cast<uint64_t>(struct_type) << 32 | member; }
 };
 
+// The literals of an OpSwitch, as wide as its selector, and where they lead; without the default.
+struct SwitchCase {
+  uint64_t literal;
+  uint32_t label;
+};
+std::vector<SwitchCase> switch_cases(const Module& m, const Instruction& inst);  // functions.cpp
+
 // The parts of parse(), in the order in which it calls them.
-void check_support(const Instruction& inst);            // support.cpp: capabilities, memory model
+void check_support(Module& m, const Instruction& inst);  // support.cpp: capabilities, memory model
 void check_execution_mode(const Instruction& inst);     // support.cpp
 void decorate(Module& m, const Instruction& inst);      // decorations.cpp
 void declare_type(Module& m, const Instruction& inst);  // types.cpp

@@ -24,6 +24,8 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(ExtInstImport, 3, nullptr),
     PINEDA_SPIRV_ROW(Decorate, 3, nullptr),
     PINEDA_SPIRV_ROW(DecorateId, 3, nullptr),
+    PINEDA_SPIRV_ROW(DecorateString, 4, nullptr),
+    PINEDA_SPIRV_ROW(MemberDecorateString, 5, nullptr),
     PINEDA_SPIRV_ROW(MemberDecorate, 4, nullptr),
     PINEDA_SPIRV_ROW(GroupDecorate, 2, nullptr),
     PINEDA_SPIRV_ROW(GroupMemberDecorate, 2, nullptr),
@@ -40,6 +42,7 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(TypeRuntimeArray, 3, nullptr),
     PINEDA_SPIRV_ROW(TypeStruct, 2, nullptr),
     PINEDA_SPIRV_ROW(TypePointer, 4, nullptr),
+    PINEDA_SPIRV_ROW(TypeForwardPointer, 3, nullptr),
     PINEDA_SPIRV_ROW(TypeFunction, 3, nullptr),
     PINEDA_SPIRV_ROW(ConstantTrue, 3, nullptr),
     PINEDA_SPIRV_ROW(ConstantFalse, 3, nullptr),
@@ -68,9 +71,6 @@ constexpr OpRow kStructureRows[] = {
 // Not supported; here for their names in messages.
 constexpr OpRow kRefusedRows[] = {
     PINEDA_SPIRV_ROW(ImageTexelPointer, 6, nullptr),
-    PINEDA_SPIRV_ROW(PtrAccessChain, 5, nullptr),
-    PINEDA_SPIRV_ROW(InBoundsPtrAccessChain, 5, nullptr),
-    PINEDA_SPIRV_ROW(CopyMemorySized, 4, nullptr),
     PINEDA_SPIRV_ROW(ImageQuerySamples, 4, nullptr),
     PINEDA_SPIRV_ROW(ImageSparseSampleImplicitLod, 5, nullptr),
     PINEDA_SPIRV_ROW(ImageSparseSampleExplicitLod, 7, nullptr),
@@ -83,12 +83,10 @@ constexpr OpRow kRefusedRows[] = {
     PINEDA_SPIRV_ROW(GroupNonUniformAny, 5, nullptr),
     PINEDA_SPIRV_ROW(GroupNonUniformBallot, 5, nullptr),
     PINEDA_SPIRV_ROW(GroupNonUniformBroadcast, 6, nullptr),
-    PINEDA_SPIRV_ROW(FConvert, 4, nullptr),
     PINEDA_SPIRV_ROW(AtomicFAddEXT, 7, nullptr),
     PINEDA_SPIRV_ROW(AtomicFlagTestAndSet, 6, nullptr),
     PINEDA_SPIRV_ROW(AtomicFlagClear, 4, nullptr),
     PINEDA_SPIRV_ROW(DecorationGroup, 2, nullptr),
-    PINEDA_SPIRV_ROW(TypeForwardPointer, 3, nullptr),
 };
 
 constexpr uint32_t kDirect = 512;  // core opcodes; extensions' are above 4000 and few
@@ -114,6 +112,8 @@ struct Table {
     add(composite_rows());
     add(matrix_rows());
     add(memory_rows());
+    add(pointer_rows());
+    add(dot_product_rows());
     add(atomic_rows());
     add(image_rows());
     add(image_query_rows());

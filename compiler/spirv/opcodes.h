@@ -21,6 +21,8 @@ std::span<const OpRow> logic_rows();
 std::span<const OpRow> composite_rows();
 std::span<const OpRow> matrix_rows();
 std::span<const OpRow> memory_rows();
+std::span<const OpRow> pointer_rows();
+std::span<const OpRow> dot_product_rows();
 std::span<const OpRow> atomic_rows();
 std::span<const OpRow> image_rows();
 std::span<const OpRow> image_query_rows();

@@ -1,4 +1,5 @@
-// Random structured programs: the same syntax tree is printed as GLSL and interpreted in C++.
+// Random structured programs, with arithmetic of every width and arrays under dynamic indices: the same syntax tree is printed as GLSL
+// and interpreted in C++.
 #include <memory>
 #include <random>
 
@@ -11,7 +12,26 @@ constexpr uint32_t kSeed = 20240607;
 constexpr uint32_t kFunctions = 60;
 constexpr int kMaxDepth = 4;
 
-enum class Kind { kAdd, kIf, kFor, kSwitch, kBreak, kContinue, kReturn };
+enum class Kind { kAdd, kCast, kArray, kIf, kFor, kSwitch, kBreak, kContinue, kReturn };
+
+// r ^= uint(T(r * 5 + number) * T(x + 3)) in each integer type T
+template <typename T>
+uint32_t cast_product(uint32_t r, uint32_t x, uint32_t number) {
+  using U = std::make_unsigned_t<T>;
+  const T a = static_cast<T>(r * 5 + number), b = static_cast<T>(x + 3);
+  const T product = static_cast<T>(static_cast<U>(uint64_t(a) * uint64_t(b)));
+  return r ^ static_cast<uint32_t>(product);
+}
+struct CastRow {
+  const char* type;
+  uint32_t (*oracle)(uint32_t r, uint32_t x, uint32_t number);
+};
+constexpr CastRow kCasts[] = {{"int8_t", cast_product<int8_t>},   {"uint8_t", cast_product<uint8_t>},
+                              {"int16_t", cast_product<int16_t>}, {"uint16_t", cast_product<uint16_t>},
+                              {"int64_t", cast_product<int64_t>}, {"uint64_t", cast_product<uint64_t>}};
+
+// One array is kept as values, the other is memory (flat_memory.h).
+constexpr uint32_t kSmall = 5, kLarge = 19;
 
 struct Node {
   Kind kind;
@@ -24,7 +44,8 @@ struct Node {
 enum class Signal { kNone, kBreak, kContinue, kReturn };
 
 struct Machine {
-  uint32_t x, r = 1, fuel = 400;
+  uint32_t x, r = 1;
+  uint32_t small[kSmall] = {}, large[kLarge] = {};
 
   // A condition that depends on the lane, on what ran so far and on the statement.
   bool test(const Node& n) const { return ((r ^ (x * 7)) % 11) < n.number % 11; }
@@ -40,6 +61,14 @@ struct Machine {
     switch (n.kind) {
       case Kind::kAdd:
         r = r * 31 + n.number;
+        return Signal::kNone;
+      case Kind::kCast:
+        r = kCasts[n.number % std::size(kCasts)].oracle(r, x, n.number);
+        return Signal::kNone;
+      case Kind::kArray:
+        large[(r + n.number) % kLarge] += r;
+        small[(r >> 3) % kSmall] ^= n.number;
+        r = r * 3 + large[r % kLarge] + small[n.number % kSmall] + small[r % kSmall];
         return Signal::kNone;
       case Kind::kIf:
         return run(n.bodies[test(n) ? 0 : 1]);
@@ -86,7 +115,11 @@ struct Writer {
   Node node(int depth, bool in_loop, bool in_switch) {
     Node n{.kind = Kind::kAdd, .number = 1 + below(97)};
     const uint32_t pick = below(20);
-    if (depth >= kMaxDepth || pick < 5) return n;
+    if (depth >= kMaxDepth || pick < 6) {
+      constexpr Kind kSimple[] = {Kind::kAdd, Kind::kAdd, Kind::kCast, Kind::kArray};
+      n.kind = kSimple[below(4)];
+      return n;
+    }
     if (pick < 11) {
       n.kind = Kind::kIf;
       n.bodies = {body(depth + 1, in_loop, in_switch), body(depth + 1, in_loop, in_switch)};
@@ -120,6 +153,13 @@ struct Writer {
     switch (n.kind) {
       case Kind::kAdd:
         return "r = r * 31u + " + number + ";\n";
+      case Kind::kCast: {
+        const std::string type = kCasts[n.number % std::size(kCasts)].type;
+        return "r ^= uint(" + type + "(r * 5u + " + number + ") * " + type + "(x + 3u));\n";
+      }
+      case Kind::kArray:
+        return "large[(r + " + number + ") % 19u] += r; small[(r >> 3) % 5u] ^= " + number +
+               ";\nr = r * 3u + large[r % 19u] + small[" + number + " % 5u] + small[r % 5u];\n";
       case Kind::kIf:
         return "if (((r ^ (x * 7u)) % 11u) < " + std::to_string(n.number % 11) + "u) {\n" + print(n.bodies[0]) + "} else {\n" +
                print(n.bodies[1]) + "}\n";
@@ -149,17 +189,24 @@ struct Writer {
   }
 };
 
-// The program's functions as one shader, rewritten by spirv-opt (empty: as it is).
-void check_against_interpreter(const std::string& passes) {
+// The program's functions as one shader, called inside `depth` Ifs, rewritten by spirv-opt (empty: as it is).
+void check_against_interpreter(const std::string& passes, uint32_t depth = 0) {
   Writer writer;
   std::vector<std::vector<Node>> programs;
   std::string functions, calls;
   for (uint32_t f = 0; f < kFunctions; ++f) {
     programs.push_back(writer.body(0, false, false));
-    functions += "uint f" + std::to_string(f) + "(uint x) {\nuint r = 1u;\n" + writer.print(programs.back()) + "return r;\n}\n";
+    functions += "uint f" + std::to_string(f) + "(uint x) {\nuint r = 1u; uint small[5] = uint[](0u, 0u, 0u, 0u, 0u); uint large[19];\n" +
+                 "for (uint i = 0u; i < 19u; ++i) large[i] = 0u;\n" + writer.print(programs.back()) + "return r;\n}\n";
     calls += "d[lane + " + std::to_string(16 * f) + "u] = f" + std::to_string(f) + "(lane);\n";
   }
-  const Words plain = compute_words(calls, "uint", functions);
+  std::string ifs;
+  for (uint32_t i = 0; i < depth; ++i) ifs += "if ((d[lane] & " + std::to_string(1u << i) + "u) == 0u) {\n";
+  const Words plain = glsl(VK_SHADER_STAGE_COMPUTE_BIT,
+                           "#extension GL_EXT_shader_explicit_arithmetic_types : require\nlayout(local_size_x = 16) in;\n"
+                           "layout(std430, set = 0, binding = 0) buffer Data { uint d[]; };\n" +
+                               functions + "void main() { uint lane = gl_LocalInvocationIndex;\n" + ifs + calls + std::string(depth + 1, '}'),
+                           "vulkan1.1");
   FakeStage stage;
   stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
   stage.buffers[0].words.resize(16 * kFunctions);
@@ -175,6 +222,11 @@ void check_against_interpreter(const std::string& passes) {
 }
 
 TEST(SpirvRandomFlow, AgreesWithAnInterpreter) { check_against_interpreter(""); }
+// Where nesting is deep, early exits take another form (flow.h, kNestedDepth).
+TEST(SpirvRandomFlow, DeepInside) { check_against_interpreter("", 18); }
+TEST(SpirvRandomFlow, DeepInsideWithPhis) {
+  check_against_interpreter("--inline-entry-points-exhaustive --eliminate-dead-functions --ssa-rewrite --if-conversion", 18);
+}
 TEST(SpirvRandomFlow, OptimisedForSpeed) { check_against_interpreter("-O"); }
 TEST(SpirvRandomFlow, MergedReturnsAndPhis) {
   check_against_interpreter(

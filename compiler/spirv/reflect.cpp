@@ -35,6 +35,7 @@ class Recorder final : public StageInterface {
     return true;
   }
   ir::Value covered(ir::Builder&) override { return {}; }
+  std::array<ir::Value, 2> address_ranges(ir::Builder& b) override { return {b.draw_ptr(), b.i32(0)}; }
   ir::Value shared_memory(ir::Builder& b) override { return b.draw_ptr(); }
 
  private:

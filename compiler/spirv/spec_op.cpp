@@ -1,219 +1,85 @@
-// OpSpecConstantOp: the operations that SPIR-V 3.32.7 allows under the Shader capability, folded with the same definitions as the
-// IR's (division by zero and shift counts as in compiler/ir/ops.inc).
-#include <limits>
+// OpSpecConstantOp: the operation is translated as it would be in a function, by the same handlers, and evaluated by the IR's own
+// semantics. So every operation means the same in both places, at every width.
+#include <algorithm>
+#include <array>
 
-#include "compiler/spirv/module.h"
+#include "base/abi.h"
+#include "compiler/ir/semantics.h"
+#include "compiler/spirv/opcodes.h"
 
 namespace pineda::spirv {
 namespace {
 
-int32_t as_signed(uint32_t v) { return static_cast<int32_t>(v); }
-
-uint32_t signed_divide(uint32_t a, uint32_t b) {
-  if (b == 0) return ~0u;
-  if (b == ~0u) return 0u - a;  // INT_MIN / -1 wraps
-  return static_cast<uint32_t>(as_signed(a) / as_signed(b));
-}
-
-uint32_t signed_remainder(uint32_t a, uint32_t b) {
-  if (b == 0) return a;
-  if (b == ~0u) return 0;
-  return static_cast<uint32_t>(as_signed(a) % as_signed(b));
-}
-
-uint32_t signed_modulo(uint32_t a, uint32_t b) {
-  const uint32_t r = signed_remainder(a, b);
-  return r != 0 && as_signed(r ^ b) < 0 ? r + b : r;
-}
-
-std::optional<uint32_t> fold_unary(spv::Op op, uint32_t a) {
-  switch (op) {
-    case spv::OpSConvert:
-    case spv::OpUConvert:
-      return a;  // 32 bits to 32 bits
-    case spv::OpSNegate:
-      return 0u - a;
-    case spv::OpNot:
-      return ~a;
-    case spv::OpLogicalNot:
-      return a == 0;
-    default:
-      return std::nullopt;
-  }
-}
-
-std::optional<uint32_t> fold_binary(spv::Op op, uint32_t a, uint32_t b) {
-  switch (op) {
-    case spv::OpIAdd:
-      return a + b;
-    case spv::OpISub:
-      return a - b;
-    case spv::OpIMul:
-      return a * b;
-    case spv::OpUDiv:
-      return b == 0 ? ~0u : a / b;
-    case spv::OpSDiv:
-      return signed_divide(a, b);
-    case spv::OpUMod:
-      return b == 0 ? a : a % b;
-    case spv::OpSRem:
-      return signed_remainder(a, b);
-    case spv::OpSMod:
-      return signed_modulo(a, b);
-    case spv::OpShiftRightLogical:
-      return a >> (b & 31);
-    case spv::OpShiftRightArithmetic:
-      return static_cast<uint32_t>(as_signed(a) >> (b & 31));
-    case spv::OpShiftLeftLogical:
-      return a << (b & 31);
-    case spv::OpBitwiseOr:
-    case spv::OpLogicalOr:
-      return a | b;
-    case spv::OpBitwiseAnd:
-    case spv::OpLogicalAnd:
-      return a & b;
-    case spv::OpBitwiseXor:
-      return a ^ b;
-    case spv::OpLogicalEqual:
-    case spv::OpIEqual:
-      return a == b;
-    case spv::OpLogicalNotEqual:
-    case spv::OpINotEqual:
-      return a != b;
-    case spv::OpULessThan:
-      return a < b;
-    case spv::OpULessThanEqual:
-      return a <= b;
-    case spv::OpUGreaterThan:
-      return a > b;
-    case spv::OpUGreaterThanEqual:
-      return a >= b;
-    case spv::OpSLessThan:
-      return as_signed(a) < as_signed(b);
-    case spv::OpSLessThanEqual:
-      return as_signed(a) <= as_signed(b);
-    case spv::OpSGreaterThan:
-      return as_signed(a) > as_signed(b);
-    case spv::OpSGreaterThanEqual:
-      return as_signed(a) >= as_signed(b);
-    default:
-      return std::nullopt;
-  }
-}
-
-struct Folder {
-  const Module& m;
-  const Instruction& inst;
-
-  const Constant& constant(uint32_t word) const {
-    const Constant* c = m.constant(inst.word(word));
-    if (!c) inst.fail("operand " + std::to_string(word) + " is not a constant");
-    return *c;
-  }
-
-  std::vector<uint32_t> scalars(uint32_t word) const {
-    const Constant& c = constant(word);
-    if (!c.scalars.empty()) return c.scalars;
-    return std::vector<uint32_t>(m.flat_scalars(c.type).size(), 0);  // a null constant
-  }
-
-  // First scalar and type of the part that the literal indices from `word` on name.
-  std::pair<uint64_t, uint32_t> part(uint32_t type_id, uint32_t word) const {
-    uint64_t first = 0;
-    for (uint32_t index : inst.from(word)) {
-      const Type& t = m.type(type_id);
-      const bool is_struct = t.kind == TypeKind::kStruct;
-      if (t.is_scalar() || index >= (is_struct ? t.members.size() : t.count)) inst.fail("an index is out of range");
-      type_id = is_struct ? t.members[index] : t.element;
-      first += is_struct ? t.first_scalar[index] : index * m.type(type_id).scalar_count;
-    }
-    return {first, type_id};
-  }
-
-  std::vector<uint32_t> extract() const {
-    const auto [first, type] = part(constant(4).type, 5);
-    const std::vector<uint32_t> all = scalars(4);
-    return {all.begin() + first, all.begin() + first + m.type(type).scalar_count};
-  }
-
-  std::vector<uint32_t> insert() const {
-    const std::vector<uint32_t> object = scalars(4);
-    std::vector<uint32_t> all = scalars(5);
-    const auto [first, type] = part(constant(5).type, 6);
-    if (object.size() != m.type(type).scalar_count) inst.fail("the object does not fit");
-    std::copy(object.begin(), object.end(), all.begin() + first);
-    return all;
-  }
-
-  std::vector<uint32_t> shuffle() const {
-    std::vector<uint32_t> both = scalars(4);
-    const std::vector<uint32_t> second = scalars(5);
-    both.insert(both.end(), second.begin(), second.end());
-    std::vector<uint32_t> out;
-    for (uint32_t index : inst.from(6)) {
-      if (index != ~0u && index >= both.size()) inst.fail("a component is out of range");
-      out.push_back(index == ~0u ? 0 : both[index]);
-    }
-    return out;
-  }
-
-  std::vector<uint32_t> select() const {
-    const std::vector<uint32_t> cond = scalars(4), a = scalars(5), b = scalars(6);
-    if (a.size() != b.size() || (cond.size() != 1 && cond.size() != a.size())) inst.fail("operand sizes differ");
-    std::vector<uint32_t> out;
-    for (size_t i = 0; i < a.size(); ++i) out.push_back(cond[cond.size() == 1 ? 0 : i] ? a[i] : b[i]);
-    return out;
-  }
-
-  std::vector<uint32_t> elementwise(spv::Op op) const {
-    if (const Type& t = m.type(inst.word(1)); t.scalar == ir::Type::kF32) inst.fail("float arithmetic is not allowed here");
-    const std::vector<uint32_t> a = scalars(4);
-    std::vector<uint32_t> out;
-    if (inst.size() == 5) {
-      for (uint32_t v : a) {
-        const auto r = fold_unary(op, v);
-        if (!r) inst.fail(op_name(op) + " cannot be folded");
-        out.push_back(*r);
-      }
-      return out;
-    }
-    const std::vector<uint32_t> b = scalars(5);
-    if (a.size() != b.size() || inst.size() != 6) inst.fail("operand sizes differ");
-    for (size_t i = 0; i < a.size(); ++i) {
-      const auto r = fold_binary(op, a[i], b[i]);
-      if (!r) inst.fail(op_name(op) + " cannot be folded");
-      out.push_back(*r);
-    }
-    return out;
-  }
-
-  std::vector<uint32_t> run() const {
-    const auto op = inst.word_as<spv::Op>(3);
-    switch (op) {
-      case spv::OpCompositeExtract:
-        return extract();
-      case spv::OpCompositeInsert:
-        return insert();
-      case spv::OpVectorShuffle:
-        return shuffle();
-      case spv::OpSelect:
-        return select();
-      default:
-        return elementwise(op);
-    }
-  }
+// Those that SPIR-V 3.52.7 allows under the Shader capability.
+constexpr spv::Op kAllowed[] = {
+    spv::OpSConvert,           spv::OpUConvert,          spv::OpFConvert,         spv::OpSNegate,
+    spv::OpNot,                spv::OpIAdd,              spv::OpISub,             spv::OpIMul,
+    spv::OpUDiv,               spv::OpSDiv,              spv::OpUMod,             spv::OpSRem,
+    spv::OpSMod,               spv::OpBitwiseOr,         spv::OpBitwiseXor,       spv::OpBitwiseAnd,
+    spv::OpShiftRightLogical,  spv::OpShiftLeftLogical,  spv::OpVectorShuffle,    spv::OpShiftRightArithmetic,
+    spv::OpCompositeExtract,   spv::OpCompositeInsert,   spv::OpLogicalOr,        spv::OpLogicalAnd,
+    spv::OpLogicalNot,         spv::OpLogicalEqual,      spv::OpLogicalNotEqual,  spv::OpSelect,
+    spv::OpIEqual,             spv::OpINotEqual,         spv::OpULessThan,        spv::OpSLessThan,
+    spv::OpUGreaterThan,       spv::OpSGreaterThan,      spv::OpULessThanEqual,   spv::OpSLessThanEqual,
+    spv::OpUGreaterThanEqual,  spv::OpSGreaterThanEqual, spv::OpQuantizeToF16,
 };
+
+// A stage that has nothing: the operations above need nothing.
+class EmptyStage final : public StageInterface {
+ public:
+  ir::Value input(ir::Builder&, const InterfaceScalar&) override { return {}; }
+  void output(ir::Builder&, const InterfaceScalar&, ir::Value) override {}
+  std::optional<BufferRef> buffer(ir::Builder&, uint32_t, uint32_t, ir::Value) override { return {}; }
+  std::optional<std::array<ir::Value, 4>> sample(ir::Builder&, const SampleRequest&) override { return {}; }
+  std::optional<std::array<ir::Value, 4>> query(ir::Builder&, const ImageQuery&) override { return {}; }
+  std::optional<std::array<ir::Value, 4>> image_load(ir::Builder&, const ImageAccess&) override { return {}; }
+  bool image_store(ir::Builder&, const ImageAccess&, std::span<const ir::Value>) override { return false; }
+  ir::Value covered(ir::Builder&) override { return {}; }
+  ir::Value shared_memory(ir::Builder&) override { return {}; }
+};
+
+// The value of each instruction of a straight list of constants and pure operations.
+std::vector<uint64_t> evaluate(const ir::Kernel& kernel, const Instruction& inst) {
+  std::vector<uint64_t> value(kernel.insts.size());
+  for (ir::Value v : kernel.regions[kernel.wave].insts) {
+    const ir::Inst& i = kernel.at(v);
+    if (i.op == ir::Op::kConst) {
+      value[v.id] = ir::const_raw(i.type, i.imm, ir::Floats::kNative);
+      continue;
+    }
+    const ir::Type operand = kernel.at(i.operand[i.op == ir::Op::kSelect ? 1 : 0]).type;
+    const ir::LaneFn fn = ir::lane_fn(i.op, i.type, operand, ir::Floats::kNative);
+    if (!fn) inst.fail("cannot be folded");
+    std::array<std::array<uint64_t, kLanes>, 4> lanes{};
+    for (uint32_t k = 0; k < 3; ++k) lanes[k].fill(value[i.operand[k].id]);
+    fn(lanes[3].data(), lanes[0].data(), lanes[1].data(), lanes[2].data());
+    value[v.id] = lanes[3][0];
+  }
+  return value;
+}
 
 }  // namespace
 
 Constant fold_spec_op(const Module& m, const Instruction& inst) {
+  const auto op = inst.word_as<spv::Op>(3);
   inst.word(4);  // every operation has an operand
-  Constant c{.type = inst.word(1), .scalars = Folder{m, inst}.run()};
-  const std::vector<ir::Type> wanted = m.flat_scalars(c.type);
-  if (c.scalars.size() != wanted.size()) inst.fail("the result does not have its type's size");
-  for (size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] == ir::Type::kB1) c.scalars[i] = c.scalars[i] != 0;
+  if (std::ranges::find(kAllowed, op) == std::end(kAllowed)) inst.fail(op_name(op) + " is not allowed here");
+  for (const ir::Type type : m.flat_scalars(inst.word(1))) {
+    const bool computes = op == spv::OpFConvert || op == spv::OpQuantizeToF16 || op == spv::OpSelect;
+    const bool moves = op == spv::OpCompositeExtract || op == spv::OpCompositeInsert || op == spv::OpVectorShuffle;
+    if (ir::is_float(type) && !computes && !moves) inst.fail("float arithmetic is not allowed here");
   }
+  // The operation as an instruction of its own: its result type and id, then its operands.
+  std::vector<uint32_t> words{(inst.size() - 1) << 16 | static_cast<uint32_t>(op), inst.word(1), inst.word(2)};
+  words.insert(words.end(), inst.from(4).begin(), inst.from(4).end());
+  const Instruction operation(words, inst.offset_words());
+  ir::Kernel kernel;
+  ir::Builder b(kernel);
+  EmptyStage stage;
+  const Values values = Translator(m, b, stage).constant_result(operation);
+  const std::vector<uint64_t> known = evaluate(kernel, inst);
+  Constant c{.type = inst.word(1)};
+  for (ir::Value v : values) c.scalars.push_back(known[v.id]);
   return c;
 }
 

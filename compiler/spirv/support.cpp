@@ -45,17 +45,39 @@ constexpr CapabilityRow kCapabilities[] = {
     YES(StorageTexelBufferArrayNonUniformIndexing),
     YES(VulkanMemoryModel),
     YES(VulkanMemoryModelDeviceScope),
+    YES(Float16),
+    YES(Float64),
+    YES(Int64),
+    YES(Int16),
+    YES(Int8),
+    YES(StorageBuffer16BitAccess),
+    YES(UniformAndStorageBuffer16BitAccess),
+    YES(StoragePushConstant16),
+    YES(StorageInputOutput16),
+    YES(MultiView),
+    YES(DeviceGroup),
+    YES(VariablePointersStorageBuffer),
+    YES(VariablePointers),
+    YES(StorageBuffer8BitAccess),
+    YES(UniformAndStorageBuffer8BitAccess),
+    YES(StoragePushConstant8),
+    YES(DenormPreserve),
+    YES(SignedZeroInfNanPreserve),
+    YES(RoundingModeRTE),
+    YES(ShaderNonUniform),
+    YES(UniformBufferArrayNonUniformIndexing),
+    YES(StorageBufferArrayNonUniformIndexing),
+    YES(PhysicalStorageBufferAddresses),
+    YES(DotProduct),
+    YES(DotProductInputAll),
+    YES(DotProductInput4x8Bit),
+    YES(DotProductInput4x8BitPacked),
     NO(Geometry),
     NO(Tessellation),
     NO(Addresses),
     NO(Linkage),
     NO(Kernel),
-    NO(Float16),
-    NO(Float64),
-    NO(Int64),
     NO(Int64Atomics),
-    NO(Int16),
-    NO(Int8),
     NO(TessellationPointSize),
     NO(GeometryPointSize),
     NO(StorageImageMultisample),
@@ -84,56 +106,35 @@ constexpr CapabilityRow kCapabilities[] = {
     NO(UniformDecoration),
     NO(SubgroupBallotKHR),
     NO(SubgroupVoteKHR),
-    NO(StorageBuffer16BitAccess),
-    NO(UniformAndStorageBuffer16BitAccess),
-    NO(StoragePushConstant16),
-    NO(StorageInputOutput16),
-    NO(DeviceGroup),
-    NO(MultiView),
-    NO(VariablePointersStorageBuffer),
-    NO(VariablePointers),
-    NO(StorageBuffer8BitAccess),
-    NO(UniformAndStorageBuffer8BitAccess),
-    NO(StoragePushConstant8),
-    NO(DenormPreserve),
     NO(DenormFlushToZero),
-    NO(SignedZeroInfNanPreserve),
-    NO(RoundingModeRTE),
     NO(RoundingModeRTZ),
     NO(RayQueryKHR),
     NO(RayTracingKHR),
     NO(MeshShadingEXT),
     NO(StencilExportEXT),
-    YES(ShaderNonUniform),
     YES(RuntimeDescriptorArray),
     NO(InputAttachmentArrayDynamicIndexing),
     YES(UniformTexelBufferArrayDynamicIndexing),
     YES(StorageTexelBufferArrayDynamicIndexing),
-    YES(UniformBufferArrayNonUniformIndexing),
     YES(SampledImageArrayNonUniformIndexing),
-    YES(StorageBufferArrayNonUniformIndexing),
     YES(StorageImageArrayNonUniformIndexing),
-    NO(PhysicalStorageBufferAddresses),
     NO(FragmentShaderSampleInterlockEXT),
     NO(FragmentShaderPixelInterlockEXT),
     NO(ShaderClockKHR),
     NO(AtomicFloat32AddEXT),
-    NO(DotProduct),
-    NO(DotProductInputAll),
-    NO(DotProductInput4x8Bit),
-    NO(DotProductInput4x8BitPacked),
     NO(WorkgroupMemoryExplicitLayoutKHR),
     NO(FragmentBarycentricKHR),
-    NO(ShaderViewportIndexLayerEXT),
 };
 #undef YES
 #undef NO
 
 }  // namespace
 
-void check_support(const Instruction& inst) {
+void check_support(Module& m, const Instruction& inst) {
   if (inst.op() == spv::OpMemoryModel) {
-    if (inst.word(1) != spv::AddressingModelLogical) inst.fail("only the Logical addressing model is supported");
+    if (inst.word(1) != spv::AddressingModelLogical && inst.word(1) != spv::AddressingModelPhysicalStorageBuffer64) {
+      inst.fail("only the Logical and PhysicalStorageBuffer64 addressing models are supported");
+    }
     if (inst.word(2) != spv::MemoryModelGLSL450 && inst.word(2) != spv::MemoryModelVulkan) {
       inst.fail("only the GLSL450 and Vulkan memory models are supported");
     }
@@ -143,6 +144,8 @@ void check_support(const Instruction& inst) {
   const auto* row = std::ranges::find(kCapabilities, capability, &CapabilityRow::capability);
   const std::string name = row == std::end(kCapabilities) ? std::to_string(capability) : row->name;
   if (row == std::end(kCapabilities) || !row->supported) inst.fail("capability " + name + " is not supported");
+  m.variable_pointers |=
+      capability == spv::CapabilityVariablePointers || capability == spv::CapabilityVariablePointersStorageBuffer;
 }
 
 void check_execution_mode(const Instruction& inst) {
@@ -156,6 +159,13 @@ void check_execution_mode(const Instruction& inst) {
     case spv::ExecutionModeLocalSize:
     case spv::ExecutionModeLocalSizeId:
       return;
+    case spv::ExecutionModeDenormPreserve:  // what the IR does anyway
+    case spv::ExecutionModeSignedZeroInfNanPreserve:
+    case spv::ExecutionModeRoundingModeRTE:
+      return;
+    case spv::ExecutionModeDenormFlushToZero:
+    case spv::ExecutionModeRoundingModeRTZ:
+      inst.fail("denormals are always kept and results rounded to nearest even");
     default:
       inst.fail("execution mode " + std::to_string(inst.word(2)) + " is not supported");
   }

@@ -97,6 +97,7 @@ class FakeStage final : public StageInterface {
   Input input_value = [](uint32_t, const InterfaceScalar&) { return 0u; };
   static constexpr uint32_t kShared = 9000;
   std::map<uint32_t, Buffer> buffers;  // key: set * 100 + binding * 10 + array index; 9999: push constants
+  std::vector<AddressRange> ranges;  // what physical pointers may reach
   uint32_t active = 0xffff, coverage = 0xffff;
   Words shared;
   std::vector<SampleRequest> samples;
@@ -169,6 +170,14 @@ class FakeStage final : public StageInterface {
     return buffer(b, kShared / 100, 0, b.i32(0))->base;
   }
 
+  static constexpr uint32_t kRanges = 9001;
+  std::array<ir::Value, 2> address_ranges(ir::Builder& b) override {
+    if (ranges.empty()) return {};
+    const ir::Value entry = b.i32(kRanges * sizeof(Entry));
+    return {b.load(ir::Type::kPtr, {.base = b.draw_ptr(), .offset = entry}, ir::kInvariant | ir::kSpeculate),
+            b.i32(static_cast<uint32_t>(ranges.size()))};
+  }
+
   // ---- running ----
   // Appends what is left of the kernel: stores of the discarded lanes.
   void finish(ir::Builder& b, const Translation& t) {
@@ -187,6 +196,7 @@ class FakeStage final : public StageInterface {
       table[key] = {reinterpret_cast<uint64_t>(buffer.words.data()), std::min(all, buffer.size_bytes), 0};
     }
     table[kShared] = {reinterpret_cast<uint64_t>(shared.data()), static_cast<uint32_t>(shared.size()) * 4, 0};
+    table[kRanges] = {reinterpret_cast<uint64_t>(ranges.data()), static_cast<uint32_t>(ranges.size() * sizeof(AddressRange)), 0};
     Words record(kRecordWords, 0);
     record[0] = active;
     record[1] = coverage;

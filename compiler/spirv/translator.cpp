@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/deep_stack.h"
+#include "compiler/ir/semantics.h"
 #include "compiler/spirv/flow.h"
 #include "compiler/spirv/opcodes.h"
 
@@ -12,7 +14,7 @@ namespace pineda::spirv {
 
 Translator::Record& Translator::record(const Instruction& inst, uint32_t id) {
   const uint32_t index = id < m.definition.size() ? m.definition[id] : 0;
-  if (index == 0 || records_[index - 1].kind == RecordKind::kNone) {
+  if (index == 0 || index > records_.size() || records_[index - 1].kind == RecordKind::kNone) {
     inst.fail("%" + std::to_string(id) + " is not defined before it is used");
   }
   return records_[index - 1];
@@ -46,9 +48,10 @@ void Translator::escape(const Instruction& inst, Record& r) {
   b.set_region(here);
 }
 
+bool Translator::is_open(ir::RegionId region) const { return std::find(open_.rbegin(), open_.rend(), region) != open_.rend(); }
+
 Values Translator::usable(const Instruction& inst, Record& r) {
-  const bool open = std::find(open_.rbegin(), open_.rend(), r.region) != open_.rend();
-  if (open) return r.values;
+  if (is_open(r.region)) return r.values;
   if (r.escaped.empty() && !r.values.empty()) escape(inst, r);
   Values out(r.values.size());
   for (size_t i = 0; i < out.size(); ++i) {
@@ -62,10 +65,15 @@ Values Translator::constant_values(const Constant& constant) {
   const std::vector<ir::Type> types = m.flat_scalars(constant.type);
   out.reserve(types.size());
   for (size_t i = 0; i < types.size(); ++i) {
-    const uint32_t bits = constant.scalars.empty() ? 0 : constant.scalars[i];
-    out.push_back(types[i] == ir::Type::kF32 ? b.fconst(ir::Type::kF32, std::bit_cast<float>(bits)) : b.constant(types[i], bits));
+    const uint64_t bits = constant.scalars.empty() ? 0 : constant.scalars[i];
+    out.push_back(literal(types[i], bits));
   }
   return out;
+}
+
+ir::Value Translator::literal(ir::Type type, uint64_t bits) {
+  if (!ir::is_float(type)) return b.constant(type, bits);
+  return b.fconst(type, std::bit_cast<double>(ir::const_imm(type, bits, ir::Floats::kNative)));
 }
 
 // ---- operands -------------------------------------------------------------------------------------------------------------
@@ -74,6 +82,7 @@ Values Translator::values(const Instruction& inst, uint32_t word) {
   const uint32_t id = inst.word(word);
   if (const Constant* c = m.constant(id)) return constant_values(*c);
   Record& r = record(inst, id);
+  if (r.kind == RecordKind::kPointer && m.type(pointers_[r.detail].type).is_value) return pointer_values(inst, word);
   if (r.kind != RecordKind::kValues) inst.fail("%" + std::to_string(id) + " is not a value");
   return usable(inst, r);
 }
@@ -105,13 +114,32 @@ ir::Value Translator::scalar(const Instruction& inst, uint32_t word, ir::Type ty
   return v[0];
 }
 
+ir::Value Translator::index(const Instruction& inst, uint32_t word) {
+  const Type& type = type_of(inst, word);
+  if (type.kind != TypeKind::kInt) inst.fail("%" + std::to_string(inst.word(word)) + " is not an integer");
+  const ir::Value v = values(inst, word)[0];
+  switch (b.type(v)) {
+    case ir::Type::kI32:
+      return v;
+    case ir::Type::kI64:  // saturated, so that it stays out of range
+      return b.convert(ir::Op::kTrunc, ir::Type::kI32, b.umin(v, b.i64(~0u)));
+    default:
+      return b.convert(type.is_signed ? ir::Op::kSExt : ir::Op::kZExt, ir::Type::kI32, v);
+  }
+}
+
 Pointer Translator::pointer(const Instruction& inst, uint32_t word) {
-  Record& r = record(inst, inst.word(word));
-  if (r.kind != RecordKind::kPointer) inst.fail("%" + std::to_string(inst.word(word)) + " is not a pointer");
+  const uint32_t id = inst.word(word);
+  if (m.constant(id)) return pointer_from_values(inst, word);
+  Record& r = record(inst, id);
+  if (r.kind == RecordKind::kValues) return pointer_from_values(inst, word);
+  if (r.kind != RecordKind::kPointer) inst.fail("%" + std::to_string(id) + " is not a pointer");
   const Values dynamic = usable(inst, r);
   Pointer p = pointers_[r.detail];
   p.index = dynamic[0];
   p.descriptor_index = dynamic[1];
+  p.base = dynamic[2];
+  p.size_bytes = dynamic[3];
   return p;
 }
 
@@ -123,6 +151,12 @@ Opaque Translator::opaque(const Instruction& inst, uint32_t word) {
   o.image.index = dynamic[0];
   o.sampler.index = dynamic[1];
   return o;
+}
+
+ir::Type Translator::component_of(const Type& type) const {
+  const Type* t = &type;
+  while (t->kind == TypeKind::kVector || t->kind == TypeKind::kMatrix) t = &m.type(t->element);
+  return t->scalar;
 }
 
 // ---- results --------------------------------------------------------------------------------------------------------------
@@ -145,6 +179,10 @@ void Translator::check_result(const Instruction& inst, const Values& values) con
 
 void Translator::define(const Instruction& inst, Values values) {
   check_result(inst, values);
+  if (constant_result_) {
+    *constant_result_ = std::move(values);
+    return;
+  }
   value_scalars_ += static_cast<uint32_t>(values.size());
   if (value_scalars_ > kMaxValueScalars) inst.fail("the shader has too many values");
   Record& r = fresh(inst);
@@ -159,9 +197,10 @@ void Translator::define(const Instruction& inst, const Pointer& pointer) {
   }
   Record& r = fresh(inst);
   r.kind = RecordKind::kPointer;
-  r.values = {pointer.index, pointer.descriptor_index};
+  r.values = {pointer.index, pointer.descriptor_index, pointer.base, pointer.size_bytes};
   r.detail = static_cast<uint32_t>(pointers_.size());
   pointers_.push_back(pointer);
+  pointers_.back().type = type.id;
 }
 
 void Translator::define(const Instruction& inst, const Opaque& opaque) {
@@ -310,7 +349,14 @@ void Translator::set_return(const Instruction& inst) {
 
 // ---- the whole shader -----------------------------------------------------------------------------------------------------
 
+Values Translator::constant_result(const Instruction& inst) {
+  constant_result_.emplace();
+  instruction(inst);
+  return std::move(*constant_result_);
+}
+
 Translation Translator::run() {
+  records_.resize(m.instructions.size());
   open_.push_back(b.region());
   prologue();
   returns_.push_back({});
@@ -323,7 +369,9 @@ Translation Translator::run() {
 
 Result<Translation> translate(const Module& module, ir::Builder& b, StageInterface& stage) {
   try {
-    return Translator(module, b, stage).run();
+    Translation translation;
+    with_deep_stack([&] { translation = Translator(module, b, stage).run(); });
+    return translation;
   } catch (Fault& fault) {
     return std::unexpected(std::move(fault.error));
   }

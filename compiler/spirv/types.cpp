@@ -6,7 +6,10 @@
 namespace pineda::spirv {
 namespace {
 
-uint64_t saturating_product(uint64_t a, uint64_t b) { return a != 0 && b > (1ull << 40) / a ? 1ull << 40 : a * b; }
+constexpr uint64_t kHuge = 1ull << 40;  // where sizes saturate: far beyond every bound on them
+
+uint64_t saturating_product(uint64_t a, uint64_t b) { return a != 0 && b > kHuge / a ? kHuge : a * b; }
+uint64_t round_up(uint64_t x, uint64_t multiple) { return (x + multiple - 1) / multiple * multiple; }
 
 const Type& element_type(const Module& m, const Instruction& inst, uint32_t id) {
   const auto found = m.types.find(id);
@@ -15,12 +18,28 @@ const Type& element_type(const Module& m, const Instruction& inst, uint32_t id) 
   return found->second;
 }
 
+ir::Type number_of(bool is_int, uint32_t width) {
+  switch (width) {
+    case 8:
+      return is_int ? ir::Type::kI8 : ir::Type::kVoid;
+    case 16:
+      return is_int ? ir::Type::kI16 : ir::Type::kF16;
+    case 32:
+      return is_int ? ir::Type::kI32 : ir::Type::kF32;
+    case 64:
+      return is_int ? ir::Type::kI64 : ir::Type::kF64;
+    default:
+      return ir::Type::kVoid;
+  }
+}
+
 void numeric(Type& t, const Instruction& inst) {
+  const bool is_int = inst.op() == spv::OpTypeInt;
   const uint32_t width = inst.word(2);
-  if (width != 32) inst.fail(std::to_string(width) + "-bit numbers are not supported");
-  t.kind = inst.op() == spv::OpTypeInt ? TypeKind::kInt : TypeKind::kFloat;
-  t.scalar = inst.op() == spv::OpTypeInt ? ir::Type::kI32 : ir::Type::kF32;
-  t.is_signed = inst.op() == spv::OpTypeInt && inst.word(3) != 0;
+  t.kind = is_int ? TypeKind::kInt : TypeKind::kFloat;
+  t.scalar = number_of(is_int, width);
+  if (t.scalar == ir::Type::kVoid) inst.fail("there are no " + std::to_string(width) + "-bit numbers of this kind in Vulkan");
+  t.is_signed = is_int && inst.word(3) != 0;
 }
 
 // Vectors, matrices and arrays: `count` elements of inst.word(2).
@@ -32,6 +51,8 @@ void sequence(const Module& m, Type& t, const Instruction& inst, TypeKind kind, 
   t.depth = element.depth + 1;
   t.is_value = element.is_value && kind != TypeKind::kRuntimeArray;
   t.scalar_count = saturating_product(element.scalar_count, count);
+  t.natural_alignment_bytes = element.natural_alignment_bytes;
+  t.natural_bytes = saturating_product(element.natural_bytes, count);
   if (kind == TypeKind::kVector && (!element.is_scalar() || count < 2 || count > 4)) inst.fail("must be 2 to 4 scalars");
   if (kind == TypeKind::kMatrix) {
     const bool ok = element.kind == TypeKind::kVector && m.type(element.element).kind == TypeKind::kFloat;
@@ -46,9 +67,26 @@ void structure(const Module& m, Type& t, const Instruction& inst) {
     const Type& member = element_type(m, inst, id);
     t.members.push_back(id);
     t.first_scalar.push_back(t.scalar_count);
-    t.scalar_count = std::min<uint64_t>(t.scalar_count + member.scalar_count, 1ull << 40);
+    t.scalar_count = std::min<uint64_t>(t.scalar_count + member.scalar_count, kHuge);
+    t.natural_offset_bytes.push_back(round_up(t.natural_bytes, member.natural_alignment_bytes));
+    t.natural_bytes = std::min(t.natural_offset_bytes.back() + member.natural_bytes, kHuge);
+    t.natural_alignment_bytes = std::max(t.natural_alignment_bytes, member.natural_alignment_bytes);
     t.depth = std::max(t.depth, member.depth + 1);
     t.is_value = t.is_value && member.is_value;
+  }
+  t.natural_bytes = round_up(t.natural_bytes, t.natural_alignment_bytes);
+}
+
+// Physical pointers are addresses. Pointers to storage buffers and Workgroup memory are values under the variable pointers
+// capabilities: base, size and offset (translator.h). Others are resolved while the shader is translated.
+void pointer(const Module& m, Type& t, spv::StorageClass storage) {
+  t.kind = TypeKind::kPointer;
+  t.storage = storage;
+  if (storage == spv::StorageClassPhysicalStorageBuffer) {
+    t.scalar = ir::Type::kI64;
+  } else if (m.variable_pointers && (storage == spv::StorageClassStorageBuffer || storage == spv::StorageClassWorkgroup)) {
+    t.is_value = true;
+    t.scalar_count = kPointerScalars.size();
   }
 }
 
@@ -61,7 +99,7 @@ void image(const Module& m, Type& t, const Instruction& inst) {
              .multisampled = inst.word(6) != 0,
              .storage = inst.word(7) == 2,
              .format = inst.word_as<spv::ImageFormat>(8)};
-  if (texel.kind != TypeKind::kFloat && texel.kind != TypeKind::kInt) inst.fail("the sampled type must be a 32-bit number");
+  if (texel.scalar != ir::Type::kF32 && texel.scalar != ir::Type::kI32) inst.fail("the sampled type must be a 32-bit number");
   if (inst.word(7) != 1 && inst.word(7) != 2) inst.fail("Sampled must be 1 or 2 in Vulkan");
   const spv::Dim dim = t.image.dim;
   const bool known =
@@ -104,9 +142,15 @@ void declare_type(Module& m, const Instruction& inst) {
     case spv::OpTypeStruct:
       structure(m, t, inst);
       break;
+    case spv::OpTypeForwardPointer:
+      if (m.types.contains(t.id)) inst.fail("stands behind the declaration of %" + std::to_string(t.id));
+      pointer(m, t, inst.word_as<spv::StorageClass>(2));
+      if (!t.is_scalar()) inst.fail("only PhysicalStorageBuffer pointers can be declared ahead");
+      break;
     case spv::OpTypePointer:
-      t.kind = TypeKind::kPointer;
-      t.storage = inst.word_as<spv::StorageClass>(2);
+      pointer(m, t, inst.word_as<spv::StorageClass>(2));
+      if (const auto ahead = m.types.find(t.id); ahead != m.types.end() && ahead->second.storage != t.storage)
+        inst.fail("the storage class is not that of OpTypeForwardPointer");
       t.element = element_type(m, inst, inst.word(3)).id;
       break;
     case spv::OpTypeImage:
@@ -131,6 +175,8 @@ void declare_type(Module& m, const Instruction& inst) {
   if (t.is_scalar()) {
     t.is_value = true;
     t.scalar_count = 1;
+    // A bool in Workgroup memory is 32 bits wide.
+    t.natural_bytes = t.natural_alignment_bytes = t.kind == TypeKind::kBool ? 4 : ir::size_bytes(t.scalar);
   }
   m.types[t.id] = std::move(t);
 }

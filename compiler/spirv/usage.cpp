@@ -93,13 +93,13 @@ class FunctionUsage {
     for (uint64_t i = first; i < std::min(first + count, size); ++i) v.written_scalars[i] = true;
   }
 
-  void access_chain(const Instruction& inst) {
+  void access_chain(const Instruction& inst, uint32_t first_index) {
     Root r = root(inst.word(3));
     if (r.id == 0) return;  // the translator reports it if it is reached
-    for (uint32_t index_id : inst.from(4)) {
+    for (uint32_t index_id : inst.from(first_index)) {
       const Type& t = m_.type(r.type);
       const Constant* constant = m_.constant(index_id);
-      const uint32_t index = constant && !constant->scalars.empty() ? constant->scalars[0] : 0;
+      const uint64_t index = constant && !constant->scalars.empty() ? std::min<uint64_t>(constant->scalars[0], ~0u) : 0;
       if (t.kind == TypeKind::kStruct) {
         if (!constant || index >= t.members.size()) inst.fail("a struct index must be a constant member number");
         r.first += t.first_scalar[index];
@@ -112,7 +112,7 @@ class FunctionUsage {
           mark_dynamic(r, std::max<uint64_t>(m_.type(r.type).scalar_count, 1));
           r.exact = false;
         }
-        r.first += static_cast<uint64_t>(index) * m_.type(r.type).scalar_count;
+        r.first += index * m_.type(r.type).scalar_count;
       }
     }
     roots_[inst.word(2)] = r;
@@ -132,15 +132,21 @@ class FunctionUsage {
     switch (inst.op()) {
       case spv::OpAccessChain:
       case spv::OpInBoundsAccessChain:
-        access_chain(inst);
+        access_chain(inst, 4);
+        break;
+      case spv::OpPtrAccessChain:
+      case spv::OpInBoundsPtrAccessChain:
+        access_chain(inst, 5);
         break;
       case spv::OpCopyObject:
         roots_[inst.word(2)] = root(inst.word(3));
         break;
       case spv::OpStore:
         write(root(inst.word(1)));
+        root(inst.word(2));
         break;
       case spv::OpCopyMemory:
+      case spv::OpCopyMemorySized:
         write(root(inst.word(1)));
         root(inst.word(2));
         break;
@@ -156,7 +162,18 @@ class FunctionUsage {
         root(inst.word(3));
         break;
       case spv::OpAtomicStore:
+      case spv::OpReturnValue:
         root(inst.word(1));
+        break;
+      case spv::OpSelect:  // pointers as values
+      case spv::OpPhi:
+      case spv::OpPtrEqual:
+      case spv::OpPtrNotEqual:
+      case spv::OpPtrDiff:
+      case spv::OpCompositeConstruct:
+      case spv::OpConvertPtrToU:
+      case spv::OpBitcast:
+        for (uint32_t id : inst.from(3)) root(id);
         break;
       case spv::OpKill:
       case spv::OpTerminateInvocation:

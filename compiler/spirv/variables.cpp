@@ -54,9 +54,9 @@ void Translator::declare_local(const Instruction& inst) {
 void Translator::allocate(const Instruction& inst, const Variable& v) {
   FlatMemory& memory = flat_[v.id] = FlatMemory(m.flat_scalars(v.pointee), v.dynamic_step);
   var_count_ += memory.var_count();
-  local_scalars_ += memory.array_scalars();
+  array_bytes_ += memory.array_bytes();
   if (var_count_ > kMaxVars) inst.fail("the shader needs too many variables");
-  if (local_scalars_ > kMaxLocalScalars) inst.fail("the shader's dynamically indexed variables are too large");
+  if (array_bytes_ > kMaxArrayBytes) inst.fail("the shader's dynamically indexed variables are too large");
   memory.allocate(b);
 }
 
@@ -73,9 +73,40 @@ void Translator::input_variable(const Instruction& inst, const Variable& v) {
   const FlatMemory& memory = flat_.at(v.id);
   const std::vector<InterfaceEntry>& entries = m.interface_entries.at(v.id);
   for (uint32_t i = 0; i < entries.size(); ++i) {
-    const ir::Value value = stage.input(b, *entries[i].scalar);
-    if (!value || b.type(value) != memory.type(i)) inst.fail("this input is not available here");
-    memory.store(b, inst, i, {}, value);
+    if (entries[i].is_zero) {
+      memory.store(b, inst, i, {}, b.zero(memory.type(i)));
+      continue;
+    }
+    const ir::Value low = stage.input(b, *entries[i].scalar);
+    const ir::Value high = entries[i].high ? stage.input(b, *entries[i].high) : ir::Value{};
+    const bool fits = low && b.type(low) == entries[i].scalar->type && (!entries[i].high || (high && b.type(high) == ir::Type::kI32));
+    if (!fits) inst.fail("this input is not available here");
+    memory.store(b, inst, i, {}, from_words(memory.type(i), low, high));
+  }
+}
+
+// ---- numbers that are not 32 bits wide, between stages: see InterfaceEntry ----
+
+ir::Value Translator::from_words(ir::Type type, ir::Value low, ir::Value high) {
+  if (high) {
+    const ir::Value upper = b.shl(b.convert(ir::Op::kZExt, ir::Type::kI64, high), b.i64(32));
+    return b.bitcast(type, b.or_(b.convert(ir::Op::kZExt, ir::Type::kI64, low), upper));
+  }
+  if (b.type(low) == type) return low;
+  return b.convert(ir::is_float(type) ? ir::Op::kFConvert : ir::Op::kTrunc, type, low);
+}
+
+void Translator::write_output(const InterfaceEntry& entry, ir::Value value) {
+  const ir::Type type = b.type(value);
+  if (entry.high) {
+    const ir::Value bits = b.bitcast(ir::Type::kI64, value);
+    stage.output(b, *entry.scalar, b.convert(ir::Op::kTrunc, ir::Type::kI32, bits));
+    stage.output(b, *entry.high, b.convert(ir::Op::kTrunc, ir::Type::kI32, b.lshr(bits, b.i64(32))));
+  } else if (type == entry.scalar->type) {
+    stage.output(b, *entry.scalar, value);
+  } else {
+    const ir::Op widen = ir::is_float(type) ? ir::Op::kFConvert : entry.is_signed ? ir::Op::kSExt : ir::Op::kZExt;
+    stage.output(b, *entry.scalar, b.convert(widen, entry.scalar->type, value));
   }
 }
 
@@ -89,8 +120,8 @@ void Translator::epilogue() {
     for (uint32_t i = 0; i < found->second.size(); ++i) {
       const std::optional<InterfaceScalar>& scalar = found->second[i].scalar;
       if (!scalar || (scalar->built_in && !v.written_scalars[i])) continue;
-      const ir::Value value = flat_.at(id).load(b, inst, i, {}, scalar->type);
-      stage.output(b, *scalar, value);
+      const FlatMemory& memory = flat_.at(id);
+      write_output(found->second[i], memory.load(b, inst, i, {}, memory.type(i)));
     }
   }
 }

@@ -1,0 +1,137 @@
+// Numbers of 8, 16 and 64 bits, their storage in every layout, and variable pointers, through the whole driver.
+#include <bit>
+#include <cstddef>
+
+#include "icd_pipeline_client.h"
+#include "icd_types_shaders.h"
+
+namespace pineda::test {
+namespace {
+
+constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+
+// Everything that kMixedTypes and kVariablePointers use; the chain starts at `features`.
+struct Wanted {
+  VkPhysicalDevice16BitStorageFeatures storage16{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES, nullptr, VK_TRUE, VK_TRUE,
+                                                 VK_TRUE, VK_FALSE};
+  VkPhysicalDevice8BitStorageFeatures storage8{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES, &storage16, VK_TRUE, VK_TRUE,
+                                               VK_TRUE};
+  VkPhysicalDeviceShaderFloat16Int8Features small{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, &storage8, VK_TRUE,
+                                                  VK_TRUE};
+  VkPhysicalDeviceVariablePointersFeatures pointers{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES, &small, VK_TRUE,
+                                                    VK_TRUE};
+  VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, &pointers, VK_TRUE};
+  VkPhysicalDeviceUniformBufferStandardLayoutFeatures standard{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, &scalar, VK_TRUE};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &standard, {}};
+  Wanted() { features.features.shaderInt16 = features.features.shaderInt64 = features.features.shaderFloat64 = VK_TRUE; }
+};
+
+struct TypesClient : Wanted, PipelineClient {
+  TypesClient()
+      : PipelineClient(nullptr, {},
+                       {VK_KHR_8BIT_STORAGE_EXTENSION_NAME, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME,
+                        VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME, VK_KHR_UNIFORM_BUFFER_STANDARD_LAYOUT_EXTENSION_NAME},
+                       &features) {}
+};
+
+struct Std430 {  // the natural alignment of C++
+  int8_t d;
+  double b;
+  uint16_t e[4];
+  uint64_t a;
+  int16_t c;
+};
+static_assert(sizeof(Std430) == 40 && offsetof(Std430, a) == 24 && offsetof(Std430, c) == 32);
+struct Scalar {
+  int8_t d;
+  double b;
+  uint16_t e[3];
+  uint64_t a;
+  int16_t c;
+};
+static_assert(offsetof(Scalar, a) == 24 && sizeof(Scalar) == 40);
+
+struct Uniforms {
+  uint8_t one[4];
+  int16_t two;
+  int64_t three;
+  double four;
+};
+
+// Halves that are small whole numbers and their halves.
+uint16_t half(float v) {
+  if (v == 0) return 0;
+  const auto bits = std::bit_cast<uint32_t>(v);
+  return static_cast<uint16_t>((bits >> 16 & 0x8000) | ((bits >> 23 & 0xff) - 112) << 10 | (bits >> 13 & 0x3ff));
+}
+
+TEST(IcdTypes, EveryWidthAndLayout) {
+  TypesClient client;
+  ASSERT_EQ(client.result, VK_SUCCESS);
+  const auto layout_of_set = client.set_layout({{0, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr},
+                                                {1, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr},
+                                                {2, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(layout_of_set, 8);
+  const VkDescriptorSet set = client.descriptor_set(layout_of_set);
+  const auto in = client.buffer(1024), out = client.buffer(1024), uniform = client.buffer(64);
+  for (int i = 0; i < 16; ++i) {
+    in.as<Std430>()[i] = {static_cast<int8_t>(i * 17), i * 1e100, {half(1.0f + i), half(-0.5f * i), half(3), 0},
+                          0x123456789abcdefull * static_cast<uint64_t>(i), static_cast<int16_t>(1000 * i - 7)};
+  }
+  *uniform.as<Uniforms>() = {{1, 2, 250, 4}, -3, -5000000000, 8};
+  client.write_buffer(set, 0, kStorage, {in.handle, 0, VK_WHOLE_SIZE});
+  client.write_buffer(set, 1, kStorage, {out.handle, 0, VK_WHOLE_SIZE});
+  client.write_buffer(set, 2, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, {uniform.handle, 0, VK_WHOLE_SIZE});
+  const int64_t factor = -9;
+  const VkSpecializationMapEntry entry{3, 0, 8};
+  const VkSpecializationInfo specialization{1, &entry, 8, &factor};
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.compute_pipeline(layout, client.module(kMixedTypes), &specialization, &pipeline), VK_SUCCESS);
+  const struct {
+    uint8_t p = 200;
+    int16_t q = -2;
+    uint16_t h = half(2);
+  } push;
+  client.run([&](VkCommandBuffer cb) {
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+    VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 0, sizeof(push), &push);
+    VK(client, CmdDispatch)(cb, 1, 1, 1);
+  });
+  for (int i = 0; i < 16; ++i) {
+    const Std430& a = in.as<Std430>()[i];
+    const Scalar& r = out.as<Scalar>()[i];
+    EXPECT_EQ(r.a, a.a * static_cast<uint64_t>(factor) + static_cast<uint64_t>(-5000000000)) << i;
+    EXPECT_EQ(r.b, a.b / 8 + 2) << i;
+    EXPECT_EQ(r.c, static_cast<int16_t>(a.c * -3 + 200)) << i;
+    EXPECT_EQ(r.d, static_cast<int8_t>(a.d - uniform.as<Uniforms>()->one[i % 4])) << i;
+    EXPECT_EQ(r.e[0], half(2 * (1.0f + i) + 0.5f)) << i;
+    EXPECT_EQ(r.e[1], half(0.5f - i)) << i;
+    EXPECT_EQ(r.e[2], half(6.5f)) << i;
+  }
+}
+
+TEST(IcdTypes, VariablePointers) {
+  TypesClient client;
+  ASSERT_EQ(client.result, VK_SUCCESS);
+  const auto layout_of_set = client.set_layout(
+      {{0, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}, {1, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(layout_of_set, 0);
+  const VkDescriptorSet set = client.descriptor_set(layout_of_set);
+  const auto in = client.buffer(256), out = client.buffer(64);
+  for (uint32_t i = 0; i < 64; ++i) in.as<uint32_t>()[i] = 100 + i;
+  client.write_buffer(set, 0, kStorage, {in.handle, 0, 64});  // in[16] is outside: it reads zero
+  client.write_buffer(set, 1, kStorage, {out.handle, 0, VK_WHOLE_SIZE});
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.compute_pipeline(layout, client.module(kVariablePointers), nullptr, &pipeline), VK_SUCCESS);
+  client.run([&](VkCommandBuffer cb) {
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+    VK(client, CmdDispatch)(cb, 1, 1, 1);
+  });
+  for (uint32_t i = 0; i < 16; ++i) EXPECT_EQ(out.as<uint32_t>()[i], i == 15 ? 0 : 100 + i + i % 2) << i;
+}
+
+}  // namespace
+}  // namespace pineda::test
