@@ -6,7 +6,8 @@
 
 namespace pineda {
 
-// Calls `fn` here when this thread's stack has room enough, else on a thread of its own, which it waits for. Exceptions pass through.
+// Calls `fn` here when this thread's stack has room enough, else on a thread of its own, which it waits for. Exceptions pass
+// through.
 void with_deep_stack(const std::function<void()>& fn);
 
 }  // namespace pineda

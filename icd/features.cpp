@@ -13,7 +13,8 @@ namespace {
 constexpr VkPhysicalDevice16BitStorageFeatures k16BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES,
                                                              .storageBuffer16BitAccess = VK_TRUE,
                                                              .uniformAndStorageBuffer16BitAccess = VK_TRUE,
-                                                             .storagePushConstant16 = VK_TRUE};
+                                                             .storagePushConstant16 = VK_TRUE,
+                                                             .storageInputOutput16 = VK_TRUE};
 constexpr VkPhysicalDeviceMultiviewFeatures kMultiview{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
 constexpr VkPhysicalDeviceVariablePointersFeatures kVariablePointers{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES,
@@ -24,7 +25,7 @@ constexpr VkPhysicalDeviceProtectedMemoryFeatures kProtectedMemory{
 constexpr VkPhysicalDeviceSamplerYcbcrConversionFeatures kSamplerYcbcrConversion{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES, .samplerYcbcrConversion = VK_TRUE};
 constexpr VkPhysicalDeviceShaderDrawParametersFeatures kShaderDrawParameters{
-    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES};
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES, .shaderDrawParameters = VK_TRUE};
 
 // ---- extensions
 constexpr VkPhysicalDeviceTimelineSemaphoreFeatures kTimelineSemaphore{

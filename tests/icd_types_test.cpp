@@ -12,18 +12,21 @@ constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 
 // Everything that kMixedTypes and kVariablePointers use; the chain starts at `features`.
 struct Wanted {
-  VkPhysicalDevice16BitStorageFeatures storage16{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES, nullptr, VK_TRUE, VK_TRUE,
-                                                 VK_TRUE, VK_FALSE};
-  VkPhysicalDevice8BitStorageFeatures storage8{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES, &storage16, VK_TRUE, VK_TRUE,
-                                               VK_TRUE};
-  VkPhysicalDeviceShaderFloat16Int8Features small{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, &storage8, VK_TRUE,
-                                                  VK_TRUE};
+  VkPhysicalDevice16BitStorageFeatures storage16{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES, nullptr, VK_TRUE, VK_TRUE, VK_TRUE, VK_TRUE};
+  VkPhysicalDevice8BitStorageFeatures storage8{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES, &storage16, VK_TRUE,
+                                               VK_TRUE, VK_TRUE};
+  VkPhysicalDeviceShaderFloat16Int8Features small{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, &storage8,
+                                                  VK_TRUE, VK_TRUE};
   VkPhysicalDeviceVariablePointersFeatures pointers{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES, &small, VK_TRUE,
                                                     VK_TRUE};
-  VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, &pointers, VK_TRUE};
+  VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, &pointers,
+                                                   VK_TRUE};
   VkPhysicalDeviceUniformBufferStandardLayoutFeatures standard{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, &scalar, VK_TRUE};
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &standard, {}};
+  VkPhysicalDeviceShaderDrawParametersFeatures draw{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES, &standard,
+                                                    VK_TRUE};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &draw, {}};
   Wanted() { features.features.shaderInt16 = features.features.shaderInt64 = features.features.shaderFloat64 = VK_TRUE; }
 };
 
@@ -76,8 +79,11 @@ TEST(IcdTypes, EveryWidthAndLayout) {
   const VkDescriptorSet set = client.descriptor_set(layout_of_set);
   const auto in = client.buffer(1024), out = client.buffer(1024), uniform = client.buffer(64);
   for (int i = 0; i < 16; ++i) {
-    in.as<Std430>()[i] = {static_cast<int8_t>(i * 17), i * 1e100, {half(1.0f + i), half(-0.5f * i), half(3), 0},
-                          0x123456789abcdefull * static_cast<uint64_t>(i), static_cast<int16_t>(1000 * i - 7)};
+    in.as<Std430>()[i] = {static_cast<int8_t>(i * 17),
+                          i * 1e100,
+                          {half(1.0f + i), half(-0.5f * i), half(3), 0},
+                          0x123456789abcdefull * static_cast<uint64_t>(i),
+                          static_cast<int16_t>(1000 * i - 7)};
   }
   *uniform.as<Uniforms>() = {{1, 2, 250, 4}, -3, -5000000000, 8};
   client.write_buffer(set, 0, kStorage, {in.handle, 0, VK_WHOLE_SIZE});
@@ -131,6 +137,48 @@ TEST(IcdTypes, VariablePointers) {
     VK(client, CmdDispatch)(cb, 1, 1, 1);
   });
   for (uint32_t i = 0; i < 16; ++i) EXPECT_EQ(out.as<uint32_t>()[i], i == 15 ? 0 : 100 + i + i % 2) << i;
+}
+
+// Two indirect draws, left and right: what each knows of itself reaches the pixels as halves, shorts and doubles.
+TEST(IcdTypes, DrawParametersAndNarrowVaryings) {
+  constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+  constexpr uint32_t kSize = 8;
+  TypesClient client;
+  ASSERT_EQ(client.result, VK_SUCCESS);
+  const VkImage image = client.image(kFormat, {kSize, kSize, 1}, 1, 1, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+  constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kFirst[] = {0};
+  const VkRenderPass pass = client.render_pass(kClear, kFirst);
+  const VkFramebuffer framebuffer = client.framebuffer(pass, {client.view(image, kFormat)}, {kSize, kSize});
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.graphics_pipeline({.layout = client.pipeline_layout(std::nullopt, 0),
+                                      .pass = pass,
+                                      .vertex = client.module(kDrawParametersVertex),
+                                      .fragment = client.module(kDrawParametersFragment)},
+                                     &pipeline),
+            VK_SUCCESS);
+  const auto pixels = client.buffer(kSize * kSize * 4), vertices = client.buffer(256), indirect = client.buffer(64);
+  const VkDrawIndirectCommand draws[] = {{6, 1, 4, 20}, {6, 1, 9, 30}};
+  std::memcpy(indirect.data, draws, sizeof(draws));
+  client.run([&](VkCommandBuffer cb) {
+    client.begin_pass(cb, pass, framebuffer, {{0, 0}, {kSize, kSize}}, {{{{0, 0, 0, 0}}}});
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    const VkViewport viewport{0, 0, kSize, kSize, 0, 1};
+    const VkRect2D whole{{0, 0}, {kSize, kSize}};
+    const VkDeviceSize zero = 0;
+    VK(client, CmdSetViewport)(cb, 0, 1, &viewport);
+    VK(client, CmdSetScissor)(cb, 0, 1, &whole);
+    VK(client, CmdBindVertexBuffers)(cb, 0, 1, &vertices.handle, &zero);
+    VK(client, CmdDrawIndirect)(cb, indirect.handle, 0, 2, sizeof(VkDrawIndirectCommand));
+    VK(client, CmdEndRenderPass)(cb);
+    const VkBufferImageCopy region{0, 0, 0, color_layers(), {}, {kSize, kSize, 1}};
+    VK(client, CmdCopyImageToBuffer)(cb, image, VK_IMAGE_LAYOUT_GENERAL, pixels.handle, 1, &region);
+  });
+  for (uint32_t x = 0; x < kSize; ++x) {
+    const uint32_t draw = x / 4;  // 0.3 more than the base vertex rounds away; 1e300 / 1e298 = 100
+    const uint32_t want = (10 * draw + 5) | (draw ? 30u : 20u) << 8 | (draw ? 9u : 4u) << 16 | 100 * draw << 24;
+    EXPECT_EQ(pixels.as<uint32_t>()[3 * kSize + x], want) << x;
+  }
 }
 
 }  // namespace

@@ -142,9 +142,21 @@ void Emitter::emit_wave(llvm::BasicBlock* skip) {
 
 // ---- dispatch -------------------------------------------------------------------------------------------------------------
 
+// LLVM's instruction selection and scheduling take more than linear time in the length of a block: 40,000 instructions in one took
+// four times as long as 20,000 in two (pineda_fuzz scale).
+void Emitter::split_long_block() {
+  constexpr uint32_t kLongBlock = 1000;
+  if (++insts_since_split_ < kLongBlock) return;
+  insts_since_split_ = 0;
+  llvm::BasicBlock* next = block("next");
+  b_.CreateBr(next);
+  start(next);
+}
+
 void Emitter::emit_insts(ir::RegionId region) {
   for (ir::Value v : kernel_.regions[region].insts) {
     if (!error_.empty()) return;
+    split_long_block();
     const ir::Inst& inst = kernel_.at(v);
     if (V value = emit(inst, v)) value_[v.id] = shape(value, inst.rate == ir::Rate::kLane);
   }

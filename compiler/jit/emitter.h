@@ -99,6 +99,7 @@ class Emitter {
   void emit_wave_loop(V prim_record);
   void emit_wave(llvm::BasicBlock* skip);
   void emit_insts(ir::RegionId region);
+  void split_long_block();
   V emit(const ir::Inst& inst, ir::Value id);
   V emit_source(const ir::Inst& inst);
   V emit_constant(const ir::Inst& inst);
@@ -263,6 +264,7 @@ class Emitter {
   std::unordered_map<uint32_t, std::vector<ir::Value>> results_;  // If or Loop -> its Results
   std::unordered_map<uint32_t, llvm::AllocaInst*> local_slot_;
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;
+  uint32_t insts_since_split_ = 0;
   Exec exec_;
   V draw_ptr_ = nullptr, thread_ptr_ = nullptr, prim_ptr_ = nullptr, wave_ptr_ = nullptr;  // i64
   llvm::Function* fma_function_ = nullptr;

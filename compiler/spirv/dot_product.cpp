@@ -60,8 +60,8 @@ void dot(Translator& t, const Instruction& inst) {
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(SDot, 5, dot<true, true, false>),       PINEDA_SPIRV_ROW(UDot, 5, dot<false, false, false>),
-    PINEDA_SPIRV_ROW(SUDot, 5, dot<true, false, false>),     PINEDA_SPIRV_ROW(SDotAccSat, 6, dot<true, true, true>),
+    PINEDA_SPIRV_ROW(SDot, 5, dot<true, true, false>),        PINEDA_SPIRV_ROW(UDot, 5, dot<false, false, false>),
+    PINEDA_SPIRV_ROW(SUDot, 5, dot<true, false, false>),      PINEDA_SPIRV_ROW(SDotAccSat, 6, dot<true, true, true>),
     PINEDA_SPIRV_ROW(UDotAccSat, 6, dot<false, false, true>), PINEDA_SPIRV_ROW(SUDotAccSat, 6, dot<true, false, true>),
 };
 

@@ -45,7 +45,7 @@ class Flow {
 
   // Where a sequence goes on when one of its blocks has been emitted.
   struct Next {
-    std::optional<uint32_t> here;   // in the same region
+    std::optional<uint32_t> here;    // in the same region
     std::optional<uint32_t>* later;  // for lanes that have not left, when this region is closed; null: the caller cannot do that
   };
 

@@ -133,7 +133,8 @@ void access_chain(Translator& t, const Instruction& inst) {
 
 // Bytes between consecutive elements of what a pointer walks over (OpPtrAccessChain, OpPtrDiff).
 uint32_t element_stride_bytes(Translator& t, const Instruction& inst, const Type& pointer) {
-  if (pointer.kind != TypeKind::kPointer || is_flat(pointer.storage)) inst.fail("needs a pointer to a buffer or Workgroup memory");
+  if (pointer.kind != TypeKind::kPointer || is_flat(pointer.storage))
+    inst.fail("needs a pointer to a buffer or Workgroup memory");
   if (const auto stride = t.m.decorations_of(pointer.id).array_stride; stride && *stride != 0) return *stride;
   const uint64_t natural = t.m.type(pointer.element).natural_bytes;
   if (!has_natural_layout(pointer.storage)) inst.fail("the pointer's type has no ArrayStride");

@@ -1,5 +1,5 @@
-// Pointers into memory that is counted in bytes, and its layouts: the shader's own (Vulkan, "Offset and Stride Assignment": std140,
-// std430, scalar or any other, since accesses need no alignment) or Type::natural_bytes for Workgroup memory.
+// Pointers into memory that is counted in bytes, and its layouts: the shader's own (Vulkan, "Offset and Stride Assignment":
+// std140, std430, scalar or any other, since accesses need no alignment) or Type::natural_bytes for Workgroup memory.
 #pragma once
 
 #include "compiler/spirv/translator.h"

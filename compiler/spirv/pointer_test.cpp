@@ -1,5 +1,5 @@
-// Pointers that are values: variable pointers, physical addresses, pointers to parts of local variables; and instructions that only
-// assembly reaches.
+// Pointers that are values: variable pointers, physical addresses, pointers to parts of local variables; and instructions that
+// only assembly reaches.
 #include <random>
 
 #include "compiler/spirv/test_shaders.h"
@@ -42,7 +42,8 @@ OpDecorate %other Binding 1
 %data = OpVariable %p_block StorageBuffer
 %other = OpVariable %p_block StorageBuffer
 %index = OpVariable %p_in Input
-)" + types + R"(
+)" + types +
+         R"(
 %main = OpFunction %void None %fn
 %entry = OpLabel
 )";
@@ -60,7 +61,8 @@ FakeStage two_buffers() {
   return stage;
 }
 
-// A pointer chosen by select, one that a loop moves along by phi and OpPtrAccessChain, one kept in a variable, compared and subtracted.
+// A pointer chosen by select, one that a loop moves along by phi and OpPtrAccessChain, one kept in a variable, compared and
+// subtracted.
 TEST(SpirvPointers, VariablePointers) {
   const std::string types = R"(
 %p_var = OpTypePointer Function %p_uint
@@ -160,7 +162,8 @@ void main() { uint i = gl_LocalInvocationIndex; Node n = Node(start[i]); uint s 
   // Nodes 0..3 and 4..6 are buffers; node 7 is not.
   stage.ranges = {{address(0), 4 * sizeof(Node), 0}, {address(4), 3 * sizeof(Node), 0}};
   std::vector<uint64_t> start(16);
-  for (size_t i = 0; i < 16; ++i) start[i] = i < 8 ? address(i) : i == 8 ? 0 : i == 9 ? address(0) - 8 : i == 10 ? ~0ull - 3 : address(6);
+  for (size_t i = 0; i < 16; ++i)
+    start[i] = i < 8 ? address(i) : i == 8 ? 0 : i == 9 ? address(0) - 8 : i == 10 ? ~0ull - 3 : address(6);
   stage.buffers[0].words.resize(64);
   std::memcpy(stage.buffers[0].words.data(), start.data(), 128);
   std::vector<Node> model = pool;
@@ -195,8 +198,9 @@ void main() { uint i = gl_LocalInvocationIndex; Node n = Node(start[i]); uint s 
     EXPECT_EQ(stage.buffers[0].words[32 + i], sum[i]) << i;
     const Node* node = find(start[i]);
     const size_t offset = 12 + 4 * i;  // of more[i]
-    const bool inside = node && (node - model.data() < 4 ? (node - model.data()) * sizeof(Node) + offset + 4 <= 4 * sizeof(Node)
-                                                         : (node - model.data() - 4) * sizeof(Node) + offset + 4 <= 3 * sizeof(Node));
+    const bool inside =
+        node && (node - model.data() < 4 ? (node - model.data()) * sizeof(Node) + offset + 4 <= 4 * sizeof(Node)
+                                         : (node - model.data() - 4) * sizeof(Node) + offset + 4 <= 3 * sizeof(Node));
     uint32_t want = 0;
     if (inside) std::memcpy(&want, reinterpret_cast<const uint8_t*>(&model[0]) + (start[i] - address(0)) + offset, 4);
     EXPECT_EQ(stage.buffers[0].words[48 + i], want) << i;
@@ -303,9 +307,14 @@ TEST(SpirvPointers, DotProducts) {
     }
     const auto sat = static_cast<uint32_t>(std::clamp<int64_t>(s + static_cast<int32_t>(a), INT32_MIN, INT32_MAX));
     const auto usat = static_cast<uint32_t>(std::min<int64_t>(u + b, UINT32_MAX));
-    const uint32_t want[] = {static_cast<uint32_t>(s), static_cast<uint32_t>(u), static_cast<uint32_t>(su), sat, usat,
+    const uint32_t want[] = {static_cast<uint32_t>(s),
+                             static_cast<uint32_t>(u),
+                             static_cast<uint32_t>(su),
+                             sat,
+                             usat,
                              static_cast<uint32_t>(static_cast<int16_t>(s))};
-    for (size_t k = 0; k < std::size(want); ++k) EXPECT_EQ(stage.buffers[0].words[16 * (k + 1) + lane], want[k]) << results[k] << lane;
+    for (size_t k = 0; k < std::size(want); ++k)
+      EXPECT_EQ(stage.buffers[0].words[16 * (k + 1) + lane], want[k]) << results[k] << lane;
   }
 }
 

@@ -38,8 +38,8 @@ Pointer Translator::pointer_from_values(const Instruction& inst, uint32_t word) 
   return p;
 }
 
-// Finds the range that holds the address by bisection: base, size and offset. An address outside of all gets the size zero, so that
-// every access through it is out of bounds.
+// Finds the range that holds the address by bisection: base, size and offset. An address outside of all gets the size zero, so
+// that every access through it is out of bounds.
 Values Translator::resolve_address(const Instruction& inst, ir::Value address) {
   const auto [table, count] = stage.address_ranges(b);
   if (!table) inst.fail("PhysicalStorageBuffer pointers are not available here");

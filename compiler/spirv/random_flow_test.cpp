@@ -1,5 +1,5 @@
-// Random structured programs, with arithmetic of every width and arrays under dynamic indices: the same syntax tree is printed as GLSL
-// and interpreted in C++.
+// Random structured programs, with arithmetic of every width and arrays under dynamic indices: the same syntax tree is printed as
+// GLSL and interpreted in C++.
 #include <memory>
 #include <random>
 
@@ -196,17 +196,19 @@ void check_against_interpreter(const std::string& passes, uint32_t depth = 0) {
   std::string functions, calls;
   for (uint32_t f = 0; f < kFunctions; ++f) {
     programs.push_back(writer.body(0, false, false));
-    functions += "uint f" + std::to_string(f) + "(uint x) {\nuint r = 1u; uint small[5] = uint[](0u, 0u, 0u, 0u, 0u); uint large[19];\n" +
+    functions += "uint f" + std::to_string(f) +
+                 "(uint x) {\nuint r = 1u; uint small[5] = uint[](0u, 0u, 0u, 0u, 0u); uint large[19];\n" +
                  "for (uint i = 0u; i < 19u; ++i) large[i] = 0u;\n" + writer.print(programs.back()) + "return r;\n}\n";
     calls += "d[lane + " + std::to_string(16 * f) + "u] = f" + std::to_string(f) + "(lane);\n";
   }
   std::string ifs;
   for (uint32_t i = 0; i < depth; ++i) ifs += "if ((d[lane] & " + std::to_string(1u << i) + "u) == 0u) {\n";
-  const Words plain = glsl(VK_SHADER_STAGE_COMPUTE_BIT,
-                           "#extension GL_EXT_shader_explicit_arithmetic_types : require\nlayout(local_size_x = 16) in;\n"
-                           "layout(std430, set = 0, binding = 0) buffer Data { uint d[]; };\n" +
-                               functions + "void main() { uint lane = gl_LocalInvocationIndex;\n" + ifs + calls + std::string(depth + 1, '}'),
-                           "vulkan1.1");
+  const Words plain =
+      glsl(VK_SHADER_STAGE_COMPUTE_BIT,
+           "#extension GL_EXT_shader_explicit_arithmetic_types : require\nlayout(local_size_x = 16) in;\n"
+           "layout(std430, set = 0, binding = 0) buffer Data { uint d[]; };\n" +
+               functions + "void main() { uint lane = gl_LocalInvocationIndex;\n" + ifs + calls + std::string(depth + 1, '}'),
+           "vulkan1.1");
   FakeStage stage;
   stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
   stage.buffers[0].words.resize(16 * kFunctions);

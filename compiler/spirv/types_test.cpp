@@ -22,12 +22,13 @@ const char kExtensions[] = R"(
 
 // Runs `body` for 16 lanes over in_[] and out_[] of the given types; `lane` is the index.
 template <typename In, typename Out>
-std::vector<Out> map(const std::string& in_type, const std::string& out_type, const std::string& body, const std::vector<In>& in) {
-  const std::string text = std::string(kExtensions) + "layout(local_size_x = 16) in;\n" +
-                           "layout(std430, set = 0, binding = 0) buffer A { " + in_type + " a_[]; };\n" +
-                           "layout(std430, set = 0, binding = 1) buffer B { " + out_type + " b_[]; };\n" +
-                           "void main() { uint lane = gl_LocalInvocationIndex; " + in_type + " a = a_[3 * lane], b = a_[3 * lane + 1], " +
-                           "c = a_[3 * lane + 2]; " + out_type + " r; " + body + "\n b_[lane] = r; }\n";
+std::vector<Out> map(const std::string& in_type, const std::string& out_type, const std::string& body,
+                     const std::vector<In>& in) {
+  const std::string text =
+      std::string(kExtensions) + "layout(local_size_x = 16) in;\n" + "layout(std430, set = 0, binding = 0) buffer A { " +
+      in_type + " a_[]; };\n" + "layout(std430, set = 0, binding = 1) buffer B { " + out_type + " b_[]; };\n" +
+      "void main() { uint lane = gl_LocalInvocationIndex; " + in_type + " a = a_[3 * lane], b = a_[3 * lane + 1], " +
+      "c = a_[3 * lane + 2]; " + out_type + " r; " + body + "\n b_[lane] = r; }\n";
   const Words words = glsl(VK_SHADER_STAGE_COMPUTE_BIT, text, "vulkan1.1");
   std::vector<Out> out(in.size() / 3);
   for (size_t first = 0; first < out.size(); first += 16) {
@@ -70,7 +71,9 @@ std::vector<IntRow<T>> int_rows() {
       {"r = ~a;", [](T a, T, T) { return wrap<T>(~uint64_t(a)); }},
       {"r = (a & b) | (c ^ a);", [](T a, T b, T c) { return wrap<T>((a & b) | (c ^ a)); }},
       {"r = b == T(0) ? a : a / b;",
-       [](T a, T b, T) { return b == 0 ? a : b == T(-1) && std::is_signed_v<T> ? wrap<T>(0 - uint64_t(a)) : T(a / b); }},
+       [](T a, T b, T) { return b == 0                              ? a
+                                : b == T(-1) && std::is_signed_v<T> ? wrap<T>(0 - uint64_t(a))
+                                                                    : T(a / b); }},
       {"r = a << T(b & T(7));", [](T a, T b, T) { return wrap<T>(uint64_t(a) << (b & 7)); }},
       {"r = a >> T(b & T(7));", [](T a, T b, T) { return T(a >> (b & 7)); }},
       {"r = a < b ? a : c;", [](T a, T b, T c) { return a < b ? a : c; }},
@@ -203,9 +206,13 @@ const FloatRow kFloatRows[] = {
     {"r = a < b ? c : a;", [](double a, double b, double c) { return a < b ? c : a; }},
     {"r = a != b ? c : b;", [](double a, double b, double c) { return a != b ? c : b; }},
     {"r = isnan(a) ? T(1.0) : isinf(a) ? T(2.0) : T(3.0);",
-     [](double a, double, double) { return std::isnan(a) ? 1.0 : std::isinf(a) ? 2.0 : 3.0; }},
+     [](double a, double, double) { return std::isnan(a)   ? 1.0
+                                           : std::isinf(a) ? 2.0
+                                                           : 3.0; }},
     {"T whole; T part = modf(a, whole); r = b < T(0.0) ? whole : part;",
-     [](double a, double b, double) { return b < 0 ? std::trunc(a) : std::isinf(a) ? 0.0 : a - std::trunc(a); }},
+     [](double a, double b, double) { return b < 0           ? std::trunc(a)
+                                             : std::isinf(a) ? 0.0
+                                                             : a - std::trunc(a); }},
     {"int e; T m = frexp(a, e); r = b < T(0.0) ? T(e) : m;",
      [](double a, double b, double) {
        int e = 0;
@@ -219,11 +226,13 @@ const FloatRow kFloatRows[] = {
 template <typename T>
 std::vector<T> float_inputs(double largest, double smallest) {
   std::mt19937_64 random(kSeed);
-  const double special[] = {0.0,      -0.0,     1.0,  -1.5,      2.5,     1.0 / 3,
-                            smallest, largest,  -smallest * 3, std::numeric_limits<double>::infinity(), -7.25, 1000.5};
+  const double special[] = {0.0,     -0.0,     1.0,     -1.5,          2.5,
+                            1.0 / 3, smallest, largest, -smallest * 3, std::numeric_limits<double>::infinity(),
+                            -7.25,   1000.5};
   std::vector<T> out;
   for (uint32_t i = 0; i < 3 * 64; ++i) {
-    const double ordinary = std::ldexp(static_cast<double>(static_cast<int64_t>(random())) * 0x1p-63, static_cast<int>(random() % 20) - 8);
+    const double ordinary =
+        std::ldexp(static_cast<double>(static_cast<int64_t>(random())) * 0x1p-63, static_cast<int>(random() % 20) - 8);
     out.push_back(T(random() % 3 ? ordinary : special[random() % 12]));
   }
   return out;
@@ -277,7 +286,8 @@ TEST(SpirvTypes, DoublePacking) {
 // Every pair of widths, to even.
 TEST(SpirvTypes, FloatConversions) {
   std::vector<double> in = float_inputs<double>(1.7e308, 4.9e-324);
-  for (double v : {2049.0, 2051.0, 65519.9, 65520.0, 0x1p-25, 0x1.8p-25, 0x1.002p0, 0x1.006p0, 0x1.0000011p0, -1e-9, 3e38, 3.5e38, 1e-46})
+  for (double v :
+       {2049.0, 2051.0, 65519.9, 65520.0, 0x1p-25, 0x1.8p-25, 0x1.002p0, 0x1.006p0, 0x1.0000011p0, -1e-9, 3e38, 3.5e38, 1e-46})
     in.insert(in.end(), {v, -v, v});
   while (in.size() % 3 != 0) in.push_back(0);
   struct Row {
@@ -344,8 +354,10 @@ OpFunctionEnd
 )";
   FakeStage stage;
   stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
-  const float in[16] = {1.0f, 1.0009765f, -1.0009765f, 0x1.ffep0f, 0x1.fffp0f, 65519.0f, 65520.0f, 1e30f, -1e30f, 0x1p-25f, 0x1.8p-24f,
-                        -0x1.cp-24f, 0.0f, -0.0f, std::numeric_limits<float>::infinity(), 3.14159f};
+  const float in[16] = {1.0f,       1.0009765f,  -1.0009765f, 0x1.ffep0f, 0x1.fffp0f,
+                        65519.0f,   65520.0f,    1e30f,       -1e30f,     0x1p-25f,
+                        0x1.8p-24f, -0x1.cp-24f, 0.0f,        -0.0f,      std::numeric_limits<float>::infinity(),
+                        3.14159f};
   for (float v : in) stage.buffers[0].words.push_back(word(v));
   ASSERT_EQ(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, assembly(head)), "");
   for (uint32_t i = 0; i < 16; ++i) {
@@ -397,8 +409,11 @@ void main() { uint i = gl_LocalInvocationIndex;
   stage.input_value = [](uint32_t lane, const InterfaceScalar&) { return lane; };
   std::vector<Scalar> in(16);
   for (int i = 0; i < 16; ++i) {
-    in[i] = {static_cast<uint8_t>(250 + i), {float_to_half(i + 0.5f), float_to_half(-i), float_to_half(3)}, i * 1e100,
-             {static_cast<int16_t>(-i), 7}, {int64_t{i} << 40, -int64_t{i}}};
+    in[i] = {static_cast<uint8_t>(250 + i),
+             {float_to_half(i + 0.5f), float_to_half(-i), float_to_half(3)},
+             i * 1e100,
+             {static_cast<int16_t>(-i), 7},
+             {int64_t{i} << 40, -int64_t{i}}};
   }
   stage.buffers[0].words.resize(16 * sizeof(Scalar) / 4);
   std::memcpy(stage.buffers[0].words.data(), in.data(), 16 * sizeof(Scalar));
@@ -445,8 +460,8 @@ void main() { sum = kSum; shift = kShift; d = kD; picked = kPicked; s = int(kS) 
     std::memcpy(out.data(), &v, sizeof v);
     return out;
   };
-  const std::vector<SpecializationConstant> values{{5, bytes(-2.5)}, {6, bytes(int64_t{-7})}, {7, bytes(int16_t{-3})},
-                                                   {8, bytes(uint16_t{0x4400})}};
+  const std::vector<SpecializationConstant> values{
+      {5, bytes(-2.5)}, {6, bytes(int64_t{-7})}, {7, bytes(int16_t{-3})}, {8, bytes(uint16_t{0x4400})}};
   for (bool specialised : {false, true}) {
     FakeStage stage;
     stage.buffers[0].words.resize(10);
@@ -469,8 +484,9 @@ void main() { sum = kSum; shift = kShift; d = kD; picked = kPicked; s = int(kS) 
 
 // Built-in inputs that the stage need not know of.
 TEST(SpirvTypes, DeviceIndex) {
-  const std::string text = "#extension GL_EXT_device_group : require\nlayout(location = 0) out uint r;"
-                           "void main() { r = uint(gl_DeviceIndex) + 5u; gl_Position = vec4(0); }";
+  const std::string text =
+      "#extension GL_EXT_device_group : require\nlayout(location = 0) out uint r;"
+      "void main() { r = uint(gl_DeviceIndex) + 5u; gl_Position = vec4(0); }";
   FakeStage stage;
   ASSERT_EQ(run(stage, VK_SHADER_STAGE_VERTEX_BIT, glsl(VK_SHADER_STAGE_VERTEX_BIT, text, "vulkan1.1")), "");
   EXPECT_EQ(stage.at(0)[3], 5u);

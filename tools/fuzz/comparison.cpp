@@ -1,8 +1,8 @@
 #include "tools/fuzz/comparison.h"
 
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <bit>
@@ -30,8 +30,16 @@ struct Memory {
 };
 
 uint32_t random_word(Random& random) {
-  constexpr float kSpecial[] = {0.0f, -0.0f, 1.0f, -1.0f, 0.5f, 1e-40f, 3e38f, std::numeric_limits<float>::infinity(),
-                                std::numeric_limits<float>::quiet_NaN(), 2147483648.0f};
+  constexpr float kSpecial[] = {0.0f,
+                                -0.0f,
+                                1.0f,
+                                -1.0f,
+                                0.5f,
+                                1e-40f,
+                                3e38f,
+                                std::numeric_limits<float>::infinity(),
+                                std::numeric_limits<float>::quiet_NaN(),
+                                2147483648.0f};
   switch (random.below(8)) {
     case 0:
     case 1:
@@ -70,7 +78,8 @@ void initialise(Memory& m, const Prepared& prepared, uint64_t seed) {
   }
   m.table.buffers[MemoryStage::kShared] = {reinterpret_cast<uint64_t>(m.shared.data()), prepared.shared_bytes, 0};
   for (uint32_t i = 0; i < 2; ++i) {
-    const uint64_t address = reinterpret_cast<uint64_t>(m.buffers[8 * (i + 1)]), other = reinterpret_cast<uint64_t>(m.buffers[8 * (2 - i)]);
+    const uint64_t address = reinterpret_cast<uint64_t>(m.buffers[8 * (i + 1)]),
+                   other = reinterpret_cast<uint64_t>(m.buffers[8 * (2 - i)]);
     m.table.ranges[i] = {address, kBufferBytes, 0};
     std::memcpy(m.table.push_constants + 8 * i, &address, 8);
     std::memcpy(m.buffers[8 * (i + 1)] + 16, &other, 8);
@@ -122,6 +131,14 @@ Difference first_difference(const Memory& a, const Memory& b) {
   return {};
 }
 
+// A child's way to say that it has compiled its shader and runs it from now on; -1 elsewhere.
+int running_pipe = -1;
+constexpr char kRunning = 0x7f;
+
+void note_running() {
+  if (running_pipe >= 0) (void)!write(running_pipe, &kRunning, 1);
+}
+
 class Code {
  public:
   Code(const jit::Api& api, const ir::Kernel& kernel, jit::Isa isa) : api_(api), code(api.compile(kernel, {.isa = isa})) {}
@@ -169,7 +186,8 @@ Prepared prepare(std::span<const uint32_t> words, const EntryPoint& entry) {
   MemoryStage stage;
   const auto translation = spirv::translate(**module, b, stage);
   if (!translation || stage.overflowed()) {
-    out.outcome = {Outcome::Kind::kRefused, translation ? "asks for more memory than the comparison has" : translation.error().text};
+    out.outcome = {Outcome::Kind::kRefused,
+                   translation ? "asks for more memory than the comparison has" : translation.error().text};
     return out;
   }
   stage.finish(b, *translation);
@@ -192,9 +210,7 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
   const auto memory = std::make_unique<Memory>(), initial = std::make_unique<Memory>(), expected = std::make_unique<Memory>();
   const PrimRecord prim{nullptr, 0, 1};
   // All runs work on `memory`, because the table holds its addresses.
-  const auto reset = [&](uint32_t round) {
-    initialise(*memory, prepared, seed + round);
-  };
+  const auto reset = [&](uint32_t round) { initialise(*memory, prepared, seed + round); };
   std::vector<std::unique_ptr<Code>> codes;
   for (jit::Isa isa : {jit::Isa::kSse42, jit::Isa::kAvx2, jit::Isa::kAvx512}) {
     if (!jit::isa_supported(isa)) continue;
@@ -202,6 +218,7 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
     if (!codes.back()->code.error.empty())
       return {Outcome::Kind::kFailed, std::string(jit::isa_name(isa)) + ": " + codes.back()->code.error};
   }
+  note_running();
   for (uint32_t round = 0; round < rounds; ++round) {
     reset(round);
     oracle.run(&memory->table, nullptr, &prim, 1, &memory->wave);
@@ -210,8 +227,8 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
       reset(round);
       codes[i]->code.fn(nullptr, &memory->table, nullptr, &prim, 1, &memory->wave);
       if (const Difference d = first_difference(*expected, *memory); d.where) {
-        return {Outcome::Kind::kDiffered, "instruction set " + std::to_string(i) + ", round " + std::to_string(round) + ": first in " +
-                                              d.where + ", byte " + std::to_string(d.byte)};
+        return {Outcome::Kind::kDiffered, "instruction set " + std::to_string(i) + ", round " + std::to_string(round) +
+                                              ": first in " + d.where + ", byte " + std::to_string(d.byte)};
       }
     }
   }
@@ -223,6 +240,7 @@ Outcome with_limits(uint32_t seconds, Outcome (*body)(void* argument), void* arg
   if (pipe(ends) != 0) return {Outcome::Kind::kFailed, "no pipe"};
   const pid_t child = fork();
   if (child == 0) {
+    running_pipe = ends[1];
     const rlimit limit{seconds, seconds + 1};
     setrlimit(RLIMIT_CPU, &limit);
     const Outcome outcome = body(argument);
@@ -238,7 +256,11 @@ Outcome with_limits(uint32_t seconds, Outcome (*body)(void* argument), void* arg
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return {Outcome::Kind::kFailed, "takes more than its processor time"};
+  const bool was_running = message.starts_with(kRunning);
+  if (was_running) message.erase(0, 1);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    return {was_running ? Outcome::Kind::kTooLong : Outcome::Kind::kFailed, "takes more than its processor time"};
+  }
   if (WIFSIGNALED(status)) return {Outcome::Kind::kFailed, "signal " + std::to_string(WTERMSIG(status))};
   if (message.empty()) return {Outcome::Kind::kFailed, "ended with status " + std::to_string(WEXITSTATUS(status))};
   return {static_cast<Outcome::Kind>(message[0]), message.substr(1)};

@@ -19,7 +19,8 @@ struct EntryPoint {
 std::vector<EntryPoint> entry_points(std::span<const uint32_t> words);
 
 struct Outcome {
-  enum class Kind : uint8_t { kAgreed, kRefused, kFailed, kDiffered } kind;
+  // kTooLong: compiled, but random data keep it running for longer than it was given.
+  enum class Kind : uint8_t { kAgreed, kRefused, kFailed, kDiffered, kTooLong } kind;
   std::string text;  // why it was refused, what differs
 };
 
@@ -34,7 +35,8 @@ Prepared prepare(std::span<const uint32_t> words, const EntryPoint& entry);
 // On every ISA that this CPU has, over `rounds` random memories. The shader may run for long: see `with_limits`.
 Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds);
 
-// Runs `body` in a child process that has `seconds` of processor time, so that neither a crash nor an endless loop ends the caller.
+// Runs `body`, which ends in compare(), in a child process that has `seconds` of processor time, so that neither a crash nor an
+// endless loop ends the caller.
 Outcome with_limits(uint32_t seconds, Outcome (*body)(void* argument), void* argument);
 
 }  // namespace pineda::fuzz

@@ -1,9 +1,10 @@
 // pineda_fuzz: random kernels, mutated SPIR-V and whole corpora, without a device. `./run fuzz` and `./run corpus` start it.
 //
-//     pineda_fuzz kernels [--seconds N] [--count N] [--seed S]            random IR: machine code of every ISA against the evaluator
-//     pineda_fuzz spirv   [--seconds N] [--count N] [--seed S] FILE...    every prefix of each module, then mutants of them all
-//     pineda_fuzz scale   [--count N] [--passes]                           compile times at N/4, N/2 and N instructions of each shape
-//     pineda_fuzz corpus  [--rounds N] [--seed S] [--all] FILE...         each module on every ISA against the evaluator
+//     pineda_fuzz kernels [--seconds N] [--count N] [--seed S]            random IR: machine code of every ISA against the
+//     evaluator pineda_fuzz spirv   [--seconds N] [--count N] [--seed S] FILE...    every prefix of each module, then mutants of
+//     them all pineda_fuzz scale   [--count N] [--passes]                           compile times at N/4, N/2 and N instructions
+//     of each shape pineda_fuzz corpus  [--rounds N] [--seed S] [--all] FILE...         each module on every ISA against the
+//     evaluator
 //
 // Each prints what it counted and gives status 1 when something differed or failed.
 #include <CLI/CLI.hpp>
@@ -43,9 +44,11 @@ class Progress {
   explicit Progress(const Settings& s) : settings_(s) {}
   bool next() {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const bool done = (settings_.count != 0 && count_ >= settings_.count) || (settings_.seconds > 0 && seconds >= settings_.seconds);
+    const bool done =
+        (settings_.count != 0 && count_ >= settings_.count) || (settings_.seconds > 0 && seconds >= settings_.seconds);
     if (done) return false;
-    if (count_ != 0 && count_ % 1000 == 0) std::fprintf(stderr, "%llu after %.0f s\n", static_cast<unsigned long long>(count_), seconds);
+    if (count_ != 0 && count_ % 1000 == 0)
+      std::fprintf(stderr, "%llu after %.0f s\n", static_cast<unsigned long long>(count_), seconds);
     ++count_;
     return true;
   }
@@ -169,7 +172,8 @@ int spirv_mutants(const Settings& settings) {
   while (progress.next()) {
     Random random(settings.seed * 0x9E3779B97F4A7C15ull + progress.count());
     const Seed& seed = seeds[random.below(seeds.size())];
-    check(mutate(seed.words, random), seed.entry, "seed " + std::to_string(settings.seed) + ", mutant " + std::to_string(progress.count()));
+    check(mutate(seed.words, random), seed.entry,
+          "seed " + std::to_string(settings.seed) + ", mutant " + std::to_string(progress.count()));
   }
   std::printf("%zu modules: %llu prefixes; %llu mutants from seed %llu, of which %llu were accepted; %llu wrong\n", seeds.size(),
               static_cast<unsigned long long>(prefixes), static_cast<unsigned long long>(progress.count()),
@@ -268,7 +272,7 @@ int corpus(const Settings& settings) {
     std::fprintf(stderr, "%s\n", error.c_str());
     return 1;
   }
-  uint64_t agreed = 0, refused = 0, wrong = 0;
+  uint64_t agreed = 0, refused = 0, wrong = 0, too_long = 0;
   std::map<std::string, std::pair<uint64_t, std::string>> reasons;
   for (const std::string& file : settings.files) {
     const std::vector<uint32_t> words = read_words(file);
@@ -281,6 +285,8 @@ int corpus(const Settings& settings) {
         auto& [count, example] = reasons[class_of(outcome.text)];
         ++count;
         example = file;
+      } else if (outcome.kind == Outcome::Kind::kTooLong) {
+        ++too_long;
       } else if (outcome.kind != Outcome::Kind::kAgreed) {
         ++wrong;
         std::printf("%s: %s\n", file.c_str(), outcome.text.c_str());
@@ -288,8 +294,10 @@ int corpus(const Settings& settings) {
       if (settings.all) std::printf("%s %s\n", file.c_str(), outcome.text.c_str());
     }
   }
-  std::printf("compiled and agreed on every ISA: %llu; refused: %llu; wrong: %llu\n", static_cast<unsigned long long>(agreed),
-              static_cast<unsigned long long>(refused), static_cast<unsigned long long>(wrong));
+  std::printf(
+      "compiled and agreed on every ISA: %llu; compiled, but run for too long on random data: %llu; refused: %llu; wrong: %llu\n",
+      static_cast<unsigned long long>(agreed), static_cast<unsigned long long>(too_long),
+      static_cast<unsigned long long>(refused), static_cast<unsigned long long>(wrong));
   for (const auto& [reason, found] : reasons) {
     std::printf("  %5llu  %s  (%s)\n", static_cast<unsigned long long>(found.first), reason.c_str(), found.second.c_str());
   }

@@ -46,7 +46,8 @@ spirv::BufferRef MemoryStage::entry(Builder& b, Value index) {
   const auto field = [&](Type type, size_t offset_bytes) {
     return b.load(type, {.base = b.draw_ptr(), .offset = b.iadd(at, b.i32(static_cast<uint32_t>(offset_bytes)))}, kFixed);
   };
-  return {.base = field(Type::kPtr, offsetof(Table::Buffer, address)), .size_bytes = field(Type::kI32, offsetof(Table::Buffer, size_bytes))};
+  return {.base = field(Type::kPtr, offsetof(Table::Buffer, address)),
+          .size_bytes = field(Type::kI32, offsetof(Table::Buffer, size_bytes))};
 }
 
 std::optional<spirv::BufferRef> MemoryStage::buffer(Builder& b, uint32_t set, uint32_t binding, Value array_index) {
@@ -55,7 +56,8 @@ std::optional<spirv::BufferRef> MemoryStage::buffer(Builder& b, uint32_t set, ui
                             .size_bytes = b.i32(kMaxPushConstantBytes),
                             .read_only = true};
   }
-  const auto [found, is_new] = buffers_.emplace(std::pair(set, binding), kFirstBuffer + kArray * static_cast<uint32_t>(buffers_.size()));
+  const auto [found, is_new] =
+      buffers_.emplace(std::pair(set, binding), kFirstBuffer + kArray * static_cast<uint32_t>(buffers_.size()));
   if (found->second + kArray > Table::kBuffers) {
     overflowed_ = true;
     return std::nullopt;
@@ -74,7 +76,8 @@ std::optional<std::array<Value, 4>> MemoryStage::sample(Builder& b, const spirv:
 }
 
 std::optional<std::array<Value, 4>> MemoryStage::query(Builder& b, const spirv::ImageQuery& q) {
-  if (q.kind == spirv::ImageQuery::Kind::kLod) return std::array<Value, 4>{as_float(b, q.coord[0]), as_float(b, q.coord[1]), b.f32(0), b.f32(0)};
+  if (q.kind == spirv::ImageQuery::Kind::kLod)
+    return std::array<Value, 4>{as_float(b, q.coord[0]), as_float(b, q.coord[1]), b.f32(0), b.f32(0)};
   return std::array<Value, 4>{b.i32(16), b.i32(8), b.i32(4), b.i32(6)};
 }
 

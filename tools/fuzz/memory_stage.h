@@ -1,5 +1,5 @@
-// A stage made of plain memory, so that any shader can run alone: inputs and outputs are words of the wave record, buffers come from a
-// table, images are made of arithmetic on their coordinates. Whatever the shader asks for is there.
+// A stage made of plain memory, so that any shader can run alone: inputs and outputs are words of the wave record, buffers come
+// from a table, images are made of arithmetic on their coordinates. Whatever the shader asks for is there.
 #pragma once
 
 #include <map>

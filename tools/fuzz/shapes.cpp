@@ -244,8 +244,8 @@ std::vector<uint32_t> nests(uint32_t n) {
 }
 
 constexpr Shape kShapes[] = {
-    {"straight", straight}, {"ifs", ifs},     {"early returns", early_returns}, {"switch", switch_cases},
-    {"calls", calls},       {"loops", loops}, {"nests", nests},
+    {"straight", straight}, {"ifs", ifs},     {"early returns", early_returns}, {"switch", switch_cases}, {"calls", calls},
+    {"loops", loops},       {"nests", nests},
 };
 
 }  // namespace
