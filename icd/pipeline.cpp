@@ -44,7 +44,7 @@ std::vector<compiler::TextureUse> PipelineTextures::uses(std::span<const Texture
   return uses;
 }
 
-uint32_t uses_before_specialization() { return specializes_at_once() ? 1 : 3; }
+uint32_t uses_before_specialization() { return specializes_at_once() ? 1 : 2; }
 bool specializes_at_once() {
   return !debug(kDebugGeneral) && (config().mode != Mode::kJit || debug(kDebugSpecialize));
 }

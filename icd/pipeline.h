@@ -44,7 +44,7 @@ class PipelineTextures {
   std::vector<Slot> slots_;
 };
 
-// A combination that is drawn with once or twice is not worth a compile.
+// A combination that is used once is not worth a compile.
 uint32_t uses_before_specialization();
 bool specializes_at_once();
 const TextureStates& texture_states(const Device& device);

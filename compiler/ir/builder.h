@@ -76,7 +76,7 @@ class Builder {
   PINEDA_COMPARE(feq, FEq) PINEDA_COMPARE(fne, FNe) PINEDA_COMPARE(flt, FLt) PINEDA_COMPARE(fle, FLe)
   PINEDA_UNARY(fsin, FSin) PINEDA_UNARY(fcos, FCos) PINEDA_UNARY(ftan, FTan) PINEDA_UNARY(fasin, FAsin)
   PINEDA_UNARY(facos, FAcos) PINEDA_UNARY(fatan, FAtan) PINEDA_BINARY(fatan2, FAtan2) PINEDA_UNARY(fexp2, FExp2)
-  PINEDA_UNARY(flog2, FLog2) PINEDA_UNARY(fexp, FExp) PINEDA_UNARY(flog, FLog) PINEDA_BINARY(fpow, FPow)
+  PINEDA_UNARY(flog2, FLog2) PINEDA_UNARY(flog2_coarse, FLog2Coarse) PINEDA_UNARY(fexp, FExp) PINEDA_UNARY(flog, FLog) PINEDA_BINARY(fpow, FPow)
 // clang-format on
 #undef PINEDA_UNARY
 #undef PINEDA_BINARY

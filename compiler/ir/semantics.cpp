@@ -301,6 +301,8 @@ LaneFn transcendental_fn(Op op) {
       return libm1<[](double x) { return std::exp2(x); }>;
     case Op::kFLog2:
       return libm1<[](double x) { return std::log2(x); }>;
+    case Op::kFLog2Coarse:
+      return libm1<[](double x) { return std::log2(x > 0x1p-126 ? x : 0x1p-126); }>;
     case Op::kFExp:
       return libm1<[](double x) { return std::exp(x); }>;
     case Op::kFLog:

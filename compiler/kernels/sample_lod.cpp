@@ -66,7 +66,7 @@ Value base_lod(Builder& b, const SampleSource& source, const spirv::SampleReques
     const Value eta = anisotropy(b, source, f);
     squared = b.fdiv(squared, b.fmul(eta, eta));
   }
-  return b.fmul(b.f32(0.5), b.flog2(squared));
+  return b.fmul(b.f32(0.5), b.flog2_coarse(squared));
 }
 
 // Section 16.9.4 "Texel Anisotropic Filtering": ceil(eta) probes along the longer axis.

@@ -37,6 +37,8 @@ Value emit(Builder& b, Op op, Value x, Value y) {
       return emit_exp2(b, x);
     case Op::kFLog2:
       return emit_log2(b, x);
+    case Op::kFLog2Coarse:
+      return emit_log2_coarse(b, x);
     case Op::kFExp:
       return emit_exp(b, x);
     case Op::kFLog:

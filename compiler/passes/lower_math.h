@@ -18,6 +18,7 @@ namespace pineda::passes {
 ir::Value emit_exp2(ir::Builder& b, ir::Value x);
 ir::Value emit_exp(ir::Builder& b, ir::Value x);
 ir::Value emit_log2(ir::Builder& b, ir::Value x);
+ir::Value emit_log2_coarse(ir::Builder& b, ir::Value x);  // absolute error 2^-13.2: for levels of detail
 ir::Value emit_log(ir::Builder& b, ir::Value x);
 ir::Value emit_pow(ir::Builder& b, ir::Value x, ir::Value y);
 ir::Value emit_sin(ir::Builder& b, ir::Value x);

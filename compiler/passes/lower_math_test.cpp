@@ -123,6 +123,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"acos", Op::kFAcos, std::acos, -1, 1, 2.0}, Case{"atan", Op::kFAtan, std::atan, -4, 4, 1.5}),
     [](const auto& info) { return std::string(info.param.name); });
 
+TEST(LowerMath, CoarseLog2) {
+  const std::vector<float> x = all_floats(kSeed);
+  const std::vector<float> y = Function(Op::kFLog2Coarse)(x);
+  double worst = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    if (std::isinf(x[i]) && x[i] > 0) continue;
+    const double want = x[i] > 0x1p-126 ? std::log2(static_cast<double>(x[i])) : -126;  // NaN too
+    worst = std::max(worst, std::fabs(y[i] - want));
+  }
+  EXPECT_LE(worst, 0x1p-13);
+}
+
 TEST(LowerMath, Pow) {
   std::mt19937 random(kSeed);
   std::vector<float> x, y;

@@ -15,6 +15,8 @@ constexpr double kExp[] = {0x1.fffffcp-2, 0x1.55549p-3, 0x1.5558aep-5, 0x1.123b1
 // log2(1 + t) = t / ln 2 + t^2 p(t) on [sqrt(1/2) - 1, sqrt(2) - 1]; error 2^-27.7
 constexpr double kLog2[] = {-0x1.71547p-1, 0x1.ec7092p-2,  -0x1.715aeap-2, 0x1.277fdap-2, -0x1.eaaaeep-3,
                             0x1.a2b792p-3, -0x1.877f1cp-3, 0x1.7f5d42p-3,  -0x1.c6cc8cp-4};
+// log2(1 + t) = t p(t) there; absolute error 2^-13.25
+constexpr double kLog2Coarse[] = {0x1.71173ap+0, -0x1.7326a4p-1, 0x1.08f6f8p-1, -0x1.518a5cp-2};
 // ln(1 + t) = t + t^2 p(t) there; error 2^-27.8
 constexpr double kLog[] = {-0x1.fffff8p-2, 0x1.55555p-2,   -0x1.000432p-2, 0x1.99a3e2p-3, -0x1.54257ap-3,
                            0x1.227444p-3,  -0x1.0f49f6p-3, 0x1.08369cp-3,  -0x1.37a2ecp-4};
@@ -113,6 +115,15 @@ Value emit_log2(Builder& b, Value x) {
   const Value tail = m.fma(m.mul(t, t), m.poly(t, kLog2), m.mul(t, m.f(kLog2E.low)));
   const Value sum = m.add(parts.exponent, m.fma(t, m.f(kLog2E.high), tail));
   return b.select(is_positive_finite(m, x), sum, log_special(m, x));
+}
+
+// Infinity counts as 2^128.
+Value emit_log2_coarse(Builder& b, Value x) {
+  Math m{b};
+  const Value bits = m.raw_bits(b.fmax(m.f(0x1p-126), x));
+  const Value exponent = b.ashr(b.isub(bits, b.i32(0x3f3504f3)), b.i32(23));  // bits of sqrt(1/2)
+  const Value t = m.sub(m.from_bits(b.isub(bits, b.shl(exponent, b.i32(23)))), m.f(1));
+  return m.fma(t, m.poly(t, kLog2Coarse), b.convert(ir::Op::kSToF, ir::Type::kF32, exponent));
 }
 
 Value emit_log(Builder& b, Value x) {

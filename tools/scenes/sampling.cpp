@@ -31,6 +31,14 @@ uint32_t checker(const TexelPlace& p) {
   return line ? rgb(230, 90 + tint, 60) : rgb(light, light - tint / 2, light + tint / 2);
 }
 
+// Squares alone: every level has the same mean, so pictures with other footprints stay comparable.
+uint32_t squares(const TexelPlace& p) {
+  constexpr uint32_t kDark = 40, kLight = 224;
+  if (p.level > 4) return rgb((kDark + kLight) / 2, (kDark + kLight) / 2, (kDark + kLight) / 2);
+  const uint32_t side = 16u >> p.level, light = (p.x / side + p.y / side) % 2 == 0 ? kLight : kDark;
+  return rgb(light, light, light);
+}
+
 uint32_t random_texel(const TexelPlace& p) {
   uint32_t x = (p.x * 73 + p.y * 1031 + p.z * 9176 + p.layer * 70001) * 0x9e3779b9u;
   x = (x ^ x >> 15) * 0x846ca68bu;
@@ -68,7 +76,7 @@ const Row& row_of(SamplingKind kind) {
   const TextureShape chain{k2D, {256, 256, 1}, 9, 1}, table{k3D, {32, 32, 32}};
   static const Row kRows[] = {
       {SamplingKind::kFiltering, filtering_frag, chain, checker, kLinear, 1, false},
-      {SamplingKind::kRecedingPlane, receding_plane_frag, chain, checker, kLinear, 16, false},
+      {SamplingKind::kRecedingPlane, receding_plane_frag, chain, squares, kLinear, 16, false},
       {SamplingKind::kCubeSeams, cube_seams_frag, {kCube, {4, 4, 1}, 1, 6}, cube_texel, kLinear, 1, false},
       {SamplingKind::kBorders, borders_frag, {k2D, {8, 8, 1}}, random_texel, kLinear, 1, false},
       {SamplingKind::kVolume, volume_frag, {k3D, {16, 16, 16}}, random_texel, kLinear, 1, false},
