@@ -48,6 +48,8 @@ const Case kIntegerCases[] = {
     {Op::kSMulHi, I32, I32, {0xFFFFFFFF, 0xFFFFFFFF}, 0},
     {Op::kSMulHi, I32, I32, {0x80000000, 2}, 0xFFFFFFFF},
     {Op::kSMulHi, I64, I64, {1ull << 63, 1ull << 63}, 1ull << 62},
+    {Op::kMAdd16, I32, I32, {0x0003FFFE, 0x00050007}, 1},
+    {Op::kMAdd16, I32, I32, {0x80008000, 0x80008000}, 0x80000000},
     {Op::kUDiv, I32, I32, {7, 2}, 3},
     {Op::kUDiv, I32, I32, {7, 0}, 0xFFFFFFFF},
     {Op::kUDiv, I8, I8, {7, 0}, 0xFF},
@@ -374,6 +376,8 @@ TEST(Ops, NoneIsForgotten) {
                          Op::kConst, Op::kDrawPtr, Op::kThreadPtr, Op::kPrimPtr, Op::kWavePtr, Op::kLane, Op::kBallot,
                          Op::kQuadSwizzle, Op::kLoad, Op::kStore, Op::kAtomic, Op::kLocal, Op::kLocalLoad, Op::kLocalStore,
                          Op::kIf, Op::kLoop, Op::kLoopArg, Op::kYield, Op::kResult,
+                         // jit_call_test.cpp
+                         Op::kCall,
                          // above
                          Op::kSelect};
   for (const Case& c : kIntegerCases) tested.insert(c.op);

@@ -62,7 +62,7 @@ class Builder {
 #define PINEDA_BINARY(name, Name) Value name(Value a, Value c) { return same(Op::k##Name, a, c); }
 #define PINEDA_COMPARE(name, Name) Value name(Value a, Value c) { return op(Op::k##Name, Type::kB1, {a, c}); }
   PINEDA_BINARY(iadd, IAdd) PINEDA_BINARY(isub, ISub) PINEDA_BINARY(imul, IMul) PINEDA_BINARY(umul_hi, UMulHi)
-  PINEDA_BINARY(smul_hi, SMulHi) PINEDA_BINARY(udiv, UDiv) PINEDA_BINARY(sdiv, SDiv) PINEDA_BINARY(urem, URem)
+  PINEDA_BINARY(smul_hi, SMulHi) PINEDA_BINARY(madd16, MAdd16) PINEDA_BINARY(udiv, UDiv) PINEDA_BINARY(sdiv, SDiv) PINEDA_BINARY(urem, URem)
   PINEDA_BINARY(srem, SRem) PINEDA_BINARY(shl, Shl) PINEDA_BINARY(lshr, LShr) PINEDA_BINARY(ashr, AShr)
   PINEDA_BINARY(and_, And) PINEDA_BINARY(or_, Or) PINEDA_BINARY(xor_, Xor) PINEDA_UNARY(not_, Not)
   PINEDA_BINARY(smin, SMin) PINEDA_BINARY(smax, SMax) PINEDA_BINARY(umin, UMin) PINEDA_BINARY(umax, UMax)

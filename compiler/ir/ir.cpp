@@ -23,6 +23,7 @@ bool is_commutative(Op op) {
     case Op::kIMul:
     case Op::kUMulHi:
     case Op::kSMulHi:
+    case Op::kMAdd16:
     case Op::kAnd:
     case Op::kOr:
     case Op::kXor:

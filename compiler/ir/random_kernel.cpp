@@ -220,6 +220,7 @@ class Generator {
                               Op::kURem, Op::kSRem, Op::kShl,  Op::kLShr,   Op::kAShr,   Op::kAnd,  Op::kOr,
                               Op::kXor,  Op::kSMin, Op::kSMax, Op::kUMin,   Op::kUMax,   Op::kIAdd, Op::kIMul};
     if (random_.one_in(5)) return b_.op(random_.pick(kUnary), t, {any(t)});
+    if (t == Type::kI32 && random_.one_in(20)) return b_.madd16(any(t), any(t));
     return b_.op(random_.pick(kBinary), t, {any(t), any(t)});
   }
 

@@ -61,6 +61,12 @@ struct Int {
   static uint64_t umul_hi(uint64_t a, uint64_t b) {
     return raw(static_cast<U>((static_cast<unsigned __int128>(a) * b) >> kBits));
   }
+  static uint64_t madd16(uint64_t a, uint64_t b) {  // I32 only
+    const auto product = [&](uint32_t shift) {
+      return static_cast<int32_t>(static_cast<int16_t>(a >> shift)) * static_cast<int32_t>(static_cast<int16_t>(b >> shift));
+    };
+    return raw(static_cast<U>(static_cast<uint32_t>(product(0)) + static_cast<uint32_t>(product(16))));
+  }
   static uint64_t smul_hi(uint64_t a, uint64_t b) { return raw(static_cast<U>((static_cast<__int128>(s(a)) * s(b)) >> kBits)); }
   static uint64_t udiv(uint64_t a, uint64_t b) { return b == 0 ? raw(static_cast<U>(~0ull)) : a / b; }
   static uint64_t urem(uint64_t a, uint64_t b) { return b == 0 ? a : a % b; }
@@ -94,6 +100,8 @@ struct Int {
         return lanes2<umul_hi>;
       case Op::kSMulHi:
         return lanes2<smul_hi>;
+      case Op::kMAdd16:
+        return lanes2<madd16>;
       case Op::kUDiv:
         return lanes2<udiv>;
       case Op::kSDiv:

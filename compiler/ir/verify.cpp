@@ -96,6 +96,7 @@ class TypeCheck {
     }
     if (op == Op::kQuadSwizzle) return is_bits(type_) || type_ == Type::kB1 ? nullptr : "needs a value";
     const bool logic = op == Op::kAnd || op == Op::kOr || op == Op::kXor || op == Op::kNot;
+    if (op == Op::kMAdd16) return type_ == Type::kI32 ? nullptr : "needs i32";
     if (op >= Op::kIAdd && op <= Op::kBitReverse) {
       return is_int(type_) || (logic && type_ == Type::kB1) ? nullptr : "needs integers";
     }

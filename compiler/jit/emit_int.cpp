@@ -12,6 +12,8 @@ Emitter::V Emitter::emit_int(const ir::Inst& inst) {
       return emit_mul_high(arg(inst, 0), arg(inst, 1), false);
     case Op::kSMulHi:
       return emit_mul_high(arg(inst, 0), arg(inst, 1), true);
+    case Op::kMAdd16:
+      return emit_madd16(arg(inst, 0), arg(inst, 1));
     case Op::kUDiv:
     case Op::kSDiv:
     case Op::kURem:
@@ -72,6 +74,28 @@ Emitter::V Emitter::emit_mul_high(V a, V b, bool is_signed) {
   llvm::Type* wide = with_element(a->getType(), b_.getIntNTy(2 * bits));
   V product = b_.CreateMul(b_.CreateIntCast(a, wide, is_signed), b_.CreateIntCast(b, wide, is_signed));
   return b_.CreateTrunc(b_.CreateLShr(product, bits), a->getType());
+}
+
+// pmaddwd
+Emitter::V Emitter::emit_madd16(V a, V b) {
+  if (!is_vector(a)) {
+    const auto product = [&](uint64_t shift) {
+      const auto half = [&](V v) { return b_.CreateAShr(b_.CreateShl(v, 16 - shift), 16); };
+      return b_.CreateMul(half(a), half(b));
+    };
+    return b_.CreateAdd(product(0), product(16));
+  }
+  const uint32_t lanes = features_.vector_bits / 32;
+  const llvm::Intrinsic::ID id = lanes == 16  ? llvm::Intrinsic::x86_avx512_pmaddw_d_512
+                                 : lanes == 8 ? llvm::Intrinsic::x86_avx2_pmadd_wd
+                                              : llvm::Intrinsic::x86_sse2_pmadd_wd;
+  llvm::Type* halves = llvm::FixedVectorType::get(b_.getInt16Ty(), 2 * lanes);
+  std::vector<V> x = lanes == kLanes ? std::vector<V>{a} : split(a, lanes);
+  const std::vector<V> y = lanes == kLanes ? std::vector<V>{b} : split(b, lanes);
+  for (size_t i = 0; i < x.size(); ++i) {
+    x[i] = b_.CreateIntrinsic(id, {}, {b_.CreateBitCast(x[i], halves), b_.CreateBitCast(y[i], halves)});
+  }
+  return join(std::move(x));
 }
 
 // a / 0 = all ones, a % 0 = a, INT_MIN / -1 = INT_MIN, INT_MIN % -1 = 0. With the divisor replaced by 1 in those cases, the

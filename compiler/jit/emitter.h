@@ -142,6 +142,7 @@ class Emitter {
   // ---- emit_int.cpp
   V emit_int(const ir::Inst& inst);
   V emit_bit_count(const ir::Inst& inst, V a);
+  V emit_madd16(V a, V b);
   V emit_mul_high(V a, V b, bool is_signed);
   V emit_divide(const ir::Inst& inst);
   V quotient(V a, V b, bool is_signed, bool constant_divisor);

@@ -97,8 +97,10 @@ LinearPosition lower_texel(Builder& b, const Position& p) {
   constexpr double kRound = 0x1.8p23;
   const Value scale = p.scale ? b.fmul(p.scale, b.f32(256)) : b.f32(256);
   const Value bits = b.op(Op::kBitcast, Type::kI32, {b.fma(p.value, scale, b.f32(kRound - 128))});
+  const Value fx8 = b.and_(bits, b.i32(255));
   return {.i0 = b.ashr(b.isub(bits, b.i32(0x4B400000)), b.i32(8)),
-          .weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, b.and_(bits, b.i32(255))), b.f32(1.0 / 256))};
+          .weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, fx8), b.f32(1.0 / 256)),
+          .weight1_fx8 = fx8};
 }
 
 }  // namespace
@@ -111,6 +113,7 @@ LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
   const Value i0 = lower.i0, i1 = b.iadd(i0, b.i32(1));
   LinearTexels out;
   out.weight1 = lower.weight1;
+  out.weight1_fx8 = lower.weight1_fx8;
   if (p.in_image) {  // i0 in [-1, size), i1 in [0, size]
     const Value last = last_texel(b, axis);
     out.i0 = is_repeat(axis) ? b.umin(i0, last) : b.smax(i0, b.i32(0));

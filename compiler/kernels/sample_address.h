@@ -31,7 +31,8 @@ struct NearestTexel {
 struct LinearTexels {
   ir::Value i0, i1;
   ir::Value inside0, inside1;
-  ir::Value weight1;  // F32, of i1: a multiple of 1/256 in [0, 1)
+  ir::Value weight1;      // F32, of i1: a multiple of 1/256 in [0, 1)
+  ir::Value weight1_fx8;  // I32, 0..255
 };
 
 NearestTexel nearest_texel(ir::Builder& b, const AxisRequest& axis);
@@ -40,7 +41,8 @@ LinearTexels linear_texels(ir::Builder& b, const AxisRequest& axis);
 // Without wrapping: for clamped modes without offset i0 is in [-1, size - 1].
 struct LinearPosition {
   ir::Value i0;       // I32
-  ir::Value weight1;  // F32
+  ir::Value weight1;      // F32
+  ir::Value weight1_fx8;  // I32
 };
 LinearPosition linear_position(ir::Builder& b, const AxisRequest& axis);
 

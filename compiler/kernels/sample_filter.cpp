@@ -59,7 +59,7 @@ AxisRequest Filter::axis(const LevelView& level, uint32_t a, const Coordinates& 
 
 Filter::Plane Filter::plane(const LevelView& level, const Coordinates& at) {
   const LinearTexels x = linear_texels(b_, axis(level, 0, at));
-  Plane p{.column = {x.i0, x.i1}, .row = {}, .inside_x = {x.inside0, x.inside1}, .inside_y = {}, .weight_x = x.weight1, .weight_y = {}};
+  Plane p{.column = {x.i0, x.i1}, .row = {}, .inside_x = {x.inside0, x.inside1}, .inside_y = {}, .weight_x = x.weight1, .weight_y = {}, .weight_x_fx8 = x.weight1_fx8};
   if (axes_ == 1) return p;
   const LinearTexels y = linear_texels(b_, axis(level, 1, at));
   p.row[0] = y.i0, p.row[1] = y.i1;
@@ -78,15 +78,18 @@ Channels Filter::read(Value offset_bytes, Value inside) {
   return {b_.select(compare(b_, state_.compare, reference_, depth), b_.f32(1), b_.f32(0))};
 }
 
+Value Filter::row_offset(const LevelView& level, Value y, Value z) {
+  const Value offset = reader_.row_offset(level, y, z);
+  return layer_offset_ ? b_.iadd(offset, layer_offset_) : offset;
+}
+
 Filter::Taps Filter::read_plane(const LevelView& level, const Plane& p, Value z, Value inside_z) {
   const auto both = [&](Value v, Value w) { return v && w ? b_.and_(v, w) : v ? v : w; };
   const Value column[2] = {reader_.column_offset(p.column[0]), reader_.column_offset(p.column[1])};
   Taps taps{};
   for (uint32_t row = 0; row < (axes_ == 1 ? 1 : 2); ++row) {
-    Value row_offset = reader_.row_offset(level, p.row[row], z);
-    if (layer_offset_) row_offset = b_.iadd(row_offset, layer_offset_);
-    const Value inside_row = both(p.inside_y[row], inside_z);
-    for (uint32_t i = 0; i < 2; ++i) taps[2 * row + i] = read(b_.iadd(row_offset, column[i]), both(p.inside_x[i], inside_row));
+    const Value offset = row_offset(level, p.row[row], z), inside_row = both(p.inside_y[row], inside_z);
+    for (uint32_t i = 0; i < 2; ++i) taps[2 * row + i] = read(b_.iadd(offset, column[i]), both(p.inside_x[i], inside_row));
   }
   return taps;
 }
@@ -126,13 +129,53 @@ Channels Filter::weighted(const Taps& taps, const Plane& p) {
   return sum;
 }
 
+// Whether texels are words of 8-bit UNORM components that no border colour replaces: then a row's two texels are weighted as
+// pairs of 16 bits, four channels in four multiplications.
+bool Filter::packs() const {
+  for (uint32_t a = 0; a < axes_ && !cube_; ++a) {
+    if (state_.address[a] == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER) return false;
+  }
+  for (const ComponentBits& c : format_.component) {
+    if (c.bits != 0 && (c.bits != 8 || c.first_bit % 8 != 0)) return false;
+  }
+  return format_.numeric == Numeric::kUnorm && format_.texel_bytes <= 4 && !reference_ && !reduces_;
+}
+
+// What weighted() computes, in integers while they are small: both are exact.
+Channels Filter::weighted_bytes(const LevelView& level, const Plane& p, Value z) {
+  const Value low = b_.i32(0xFFFF), high = b_.i32(0xFFFF0000), bytes = b_.i32(0x00FF00FF), shift16 = b_.i32(16), shift8 = b_.i32(8);
+  const Value weights = b_.isub(b_.iadd(b_.shl(p.weight_x_fx8, shift16), b_.i32(256)), p.weight_x_fx8);  // 256 - w, w
+  const Value column[2] = {reader_.column_offset(p.column[0]), reader_.column_offset(p.column[1])};
+  Channels sum{};
+  for (uint32_t row = 0; row < (axes_ == 1 ? 1 : 2); ++row) {
+    const Value offset = row_offset(level, p.row[row], z);
+    const Value t0 = reader_.read_word(b_.iadd(offset, column[0])), t1 = reader_.read_word(b_.iadd(offset, column[1]));
+    // bytes 0 and 1 of both texels, and bytes 2 and 3
+    const Value halves[2] = {b_.or_(b_.and_(t0, low), b_.shl(t1, shift16)), b_.or_(b_.lshr(t0, shift16), b_.and_(t1, high))};
+    Value weight = b_.f32(1.0 / 256);
+    if (axes_ != 1) weight = b_.fmul(row == 0 ? b_.fsub(b_.f32(1), p.weight_y) : p.weight_y, weight);
+    for (const uint32_t c : present()) {
+      const uint32_t byte = format_.component[c].first_bit / 8;
+      const Value half = halves[byte / 2];
+      const Value pair = b_.and_(byte % 2 == 0 ? half : b_.lshr(half, shift8), bytes);
+      const Value mean = b_.convert(Op::kSToF, Type::kF32, b_.madd16(pair, weights));  // 0 .. 255 * 256
+      sum[c] = sum[c] ? b_.fma(mean, weight, sum[c]) : b_.fmul(mean, weight);
+    }
+  }
+  return sum;
+}
+
+Channels Filter::linear_plane(const LevelView& level, const Plane& p, Value z, Value inside_z) {
+  return packs() ? weighted_bytes(level, p, z) : weighted(read_plane(level, p, z, inside_z), p);
+}
+
 Channels Filter::linear(const LevelView& level, const Coordinates& at) {
   if (cube_) return linear_on_cube(level, at);
   const Plane p = plane(level, at);
-  if (axes_ < 3) return weighted(read_plane(level, p, {}, {}), p);
+  if (axes_ < 3) return linear_plane(level, p, {}, {});
   const LinearTexels z = linear_texels(b_, axis(level, 2, at));
-  const Channels first = weighted(read_plane(level, p, z.i0, z.inside0), p);
-  return blend(first, weighted(read_plane(level, p, z.i1, z.inside1), p), z.weight1);
+  const Channels first = linear_plane(level, p, z.i0, z.inside0);
+  return blend(first, linear_plane(level, p, z.i1, z.inside1), z.weight1);
 }
 
 Channels Filter::nearest(const LevelView& level, const Coordinates& at) {
@@ -179,11 +222,11 @@ void Filter::fill_corner(Taps& taps, const std::array<Value, 4>& is_corner) {
 Channels Filter::linear_on_cube(const LevelView& level, const Coordinates& at) {
   const LinearPosition x = linear_position(b_, axis(level, 0, at)), y = linear_position(b_, axis(level, 1, at));
   const Value one = b_.i32(1), n = level.size[0].texels;
-  const Plane p{.column = {x.i0, b_.iadd(x.i0, one)}, .row = {y.i0, b_.iadd(y.i0, one)}, .inside_x = {}, .inside_y = {}, .weight_x = x.weight1, .weight_y = y.weight1};
+  const Plane p{.column = {x.i0, b_.iadd(x.i0, one)}, .row = {y.i0, b_.iadd(y.i0, one)}, .inside_x = {}, .inside_y = {}, .weight_x = x.weight1, .weight_y = y.weight1, .weight_x_fx8 = x.weight1_fx8};
   // i0 >= 0 and i0 + 1 < n, in one unsigned comparison
   const Value within = b_.and_(b_.ult(x.i0, b_.isub(n, one)), b_.ult(y.i0, b_.isub(n, one)));
   return channels_if(
-      within, [&] { return weighted(read_plane(level, p, {}, {}), p); },
+      within, [&] { return linear_plane(level, p, {}, {}); },
       [&] { return weighted(read_over_edges(level, p), p); });
 }
 
@@ -255,7 +298,7 @@ Channels Filter::gather() {
   if (cube_) {
     const Value x = linear_position(b_, axis(view, 0, at)).i0, y = linear_position(b_, axis(view, 1, at)).i0;
     const Value one = b_.i32(1);
-    taps = read_over_edges(view, {.column = {x, b_.iadd(x, one)}, .row = {y, b_.iadd(y, one)}, .inside_x = {}, .inside_y = {}, .weight_x = {}, .weight_y = {}});
+    taps = read_over_edges(view, {.column = {x, b_.iadd(x, one)}, .row = {y, b_.iadd(y, one)}, .inside_x = {}, .inside_y = {}, .weight_x = {}, .weight_y = {}, .weight_x_fx8 = {}});
   } else {
     taps = read_plane(view, plane(view, at), {}, {});
   }

@@ -20,6 +20,7 @@ class Filter {
     ir::Value column[2], row[2];         // texels
     ir::Value inside_x[2], inside_y[2];  // unset = always
     ir::Value weight_x, weight_y;        // F32, of column[1], row[1]; weight_y unset: one row
+    ir::Value weight_x_fx8;              // I32
   };
   using Taps = std::array<Channels, 4>;  // (column 0, row 0), (1, 0), (0, 1), (1, 1)
 
@@ -40,6 +41,10 @@ class Filter {
   void fill_corner(Taps& taps, const std::array<ir::Value, 4>& is_corner);
 
   Channels weighted(const Taps& taps, const Plane& p);
+  Channels linear_plane(const LevelView& level, const Plane& p, ir::Value z, ir::Value inside_z);
+  bool packs() const;
+  Channels weighted_bytes(const LevelView& level, const Plane& p, ir::Value z);
+  ir::Value row_offset(const LevelView& level, ir::Value y, ir::Value z);
   Channels blend(const Channels& first, const Channels& second, ir::Value weight2);
   ir::Value reduce(ir::Value first, ir::Value second);
   std::vector<uint32_t> present() const;  // channels that taps have

@@ -114,6 +114,10 @@ Channels TexelReader::read(Value offset_bytes, Value inside) {
   return out;
 }
 
+Value TexelReader::read_word(Value offset_bytes) {
+  return load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = limit_}, ir::kInvariant)[0];
+}
+
 Channels TexelReader::finish(const Channels& filtered) {
   Channels out{};
   for (uint32_t c = 0; c < 4; ++c) {

@@ -28,6 +28,8 @@ class TexelReader {
   // The texel at a byte offset, in filter units, border colour where `inside` (B1) is set and false. Components that the format
   // lacks are unset.
   Channels read(ir::Value offset_bytes, ir::Value inside);
+  // The texel's first word as it is.
+  ir::Value read_word(ir::Value offset_bytes);
   // Texel indices are not bounded yet (texel fetch): lanes where `inside` is false read texels of zero bytes from now on.
   void check(ir::Value inside);
 
