@@ -130,9 +130,9 @@ enum SampleRow : uint32_t {  // rows of SampleCall::argument
 struct SampleCall {
   uint32_t mask;  // active lanes; other lanes' arguments are unspecified, their results stay as they were
   uint32_t reserved;
-  uint64_t signature;                              // which operation (kernels::SampleSignature)
-  uint64_t image, sampler;                         // ImageDescriptor and sampler words of this call, set by whoever splits it
-  alignas(64) uint64_t image_of_lane[kLanes];      // as the caller asks
+  uint64_t signature;                          // which operation (kernels::SampleSignature)
+  uint64_t image, sampler;                     // ImageDescriptor and sampler words of this call, set by whoever splits it
+  alignas(64) uint64_t image_of_lane[kLanes];  // as the caller asks
   alignas(64) uint64_t sampler_of_lane[kLanes];
   alignas(64) uint32_t argument[kSampleRows][kLanes];
   alignas(64) uint32_t result[4][kLanes];
@@ -166,8 +166,8 @@ struct DrawContext {
   float depth_bounds[2];
   float depth_range[kMaxViewports][2];  // the lower and the upper end of each viewport's depths: what depth clamp clamps to
   uint32_t workgroup_count[3];
-  uint32_t view_index;                  // gl_ViewIndex of this run over the draw
-  const AddressRange* address_ranges;   // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
+  uint32_t view_index;                 // gl_ViewIndex of this run over the draw
+  const AddressRange* address_ranges;  // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
   uint32_t address_range_count, reserved;
   const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;

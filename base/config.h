@@ -17,10 +17,10 @@ enum DebugFlag : uint32_t {
   kDebugStats = 1u << 4,  // statistics of each render pass
   kDebugNoHiZ = 1u << 5,  // switch one omission off (same bits)
   kDebugNoFastClear = 1u << 6,
-  kDebugNoOpaque = 1u << 7,  // opaque covers drop nothing
-  kDebugTime = 1u << 8,      // compile times
-  kDebugPerf = 1u << 9,      // names of kernels for perf
-  kDebugGeneral = 1u << 10,  // pipelines are never specialised for what is bound (same bits)
+  kDebugNoOpaque = 1u << 7,     // opaque covers drop nothing
+  kDebugTime = 1u << 8,         // compile times
+  kDebugPerf = 1u << 9,         // names of kernels for perf
+  kDebugGeneral = 1u << 10,     // pipelines are never specialised for what is bound (same bits)
   kDebugSpecialize = 1u << 11,  // pipelines are specialised before their first draw
 };
 

@@ -141,15 +141,15 @@ struct GraphicsSource {
   const PipelineLayout* layout = nullptr;
   VertexState vertex_input;
   FragmentState state;
-  bool draws_points = false;  // point lists, or polygon mode POINT: the point size matters
+  bool draws_points = false;             // point lists, or polygon mode POINT: the point size matters
   std::span<const TextureUse> textures;  // of both stages; every spirv::ImageUse that samples must have one
   std::string name;                      // for dumps
 };
 
 struct GraphicsKernels {
   KernelPtr vertex;
-  KernelPtr fragment;             // never null: without a fragment shader it tests and writes depth
-  uint32_t vertex_slots = 4;      // components per vertex record: 4 (position) + varyings + outputs
+  KernelPtr fragment;         // never null: without a fragment shader it tests and writes depth
+  uint32_t vertex_slots = 4;  // components per vertex record: 4 (position) + varyings + outputs
   VertexOutputs outputs;
   bool early_depth = true;        // the test runs before the shader, so raster may reject by Hi-Z
   bool reads_color = false;       // some attachment's old value matters (blend or partial write mask)

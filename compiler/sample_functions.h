@@ -1,6 +1,6 @@
-// The functions that general kernels sample with (DrawContext::sample): one for each state of image view and sampler and each kind
-// of request that a kernel has met, compiled when the first one meets it. General kernels are those that were not specialised for
-// what is bound (the first draws of a pipeline, and whatever indexes its descriptors by values).
+// The functions that general kernels sample with (DrawContext::sample): one for each state of image view and sampler and each
+// kind of request that a kernel has met, compiled when the first one meets it. General kernels are those that were not
+// specialised for what is bound (the first draws of a pipeline, and whatever indexes its descriptors by values).
 #pragma once
 
 #include <array>
@@ -36,8 +36,8 @@ class SampleFunctions {
   const Resolve resolve_;
   KernelHandle handle_;
   mutable std::array<std::atomic<const Entry*>, kBuckets> buckets_{};  // heads of lists that only grow, at the front
-  mutable std::mutex mutex_;                                            // held while a function is made
-  mutable std::vector<std::unique_ptr<Entry>> entries_;                 // guarded by mutex_
+  mutable std::mutex mutex_;                                           // held while a function is made
+  mutable std::vector<std::unique_ptr<Entry>> entries_;                // guarded by mutex_
 };
 
 }  // namespace pineda::compiler

@@ -25,7 +25,8 @@ BufferView::BufferView(const Allocator& from_allocator, Device& device, const Vk
     : Object(from_allocator) {
   const Buffer& buffer = *from(info.buffer);
   const uint32_t texel_bytes = find_format(info.format)->texel_bytes;
-  const VkDeviceSize texels = std::min<VkDeviceSize>(buffer.clamp(info.offset, info.range) / texel_bytes, kLimits.maxTexelBufferElements);
+  const VkDeviceSize texels =
+      std::min<VkDeviceSize>(buffer.clamp(info.offset, info.range) / texel_bytes, kLimits.maxTexelBufferElements);
   descriptor_.address = reinterpret_cast<uint64_t>(buffer.data()) + info.offset;
   descriptor_.size_bytes = static_cast<uint32_t>(texels * texel_bytes);
   descriptor_.width = static_cast<uint32_t>(texels);

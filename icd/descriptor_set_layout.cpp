@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/descriptor_set.h"
 #include "icd/device.h"
 #include "icd/sampler.h"
@@ -52,7 +53,15 @@ namespace {
 
 // What is wrong with a set layout; empty when it can be made.
 std::string unsupported(const VkDescriptorSetLayoutCreateInfo& info) {
-  if (info.flags != 0) return "flags of extensions are not supported";
+  // Sets are read when commands are executed: whatever VkDescriptorSetLayoutBindingFlagsCreateInfo allows, but for a variable
+  // count, is how every binding works.
+  constexpr VkDescriptorSetLayoutCreateFlags kFlags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
+  if (info.flags & ~kFlags) return "flags of extensions are not supported";
+  const auto* flags = find_in_chain<VkDescriptorSetLayoutBindingFlagsCreateInfo>(
+      info.pNext, VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO);
+  for (uint32_t i = 0; flags && i < flags->bindingCount; ++i) {
+    if (flags->pBindingFlags[i] & VK_DESCRIPTOR_BINDING_VARIABLE_DESCRIPTOR_COUNT_BIT) return "counts are fixed";
+  }
   uint64_t size_bytes = 0;
   for (uint32_t i = 0; i < info.bindingCount; ++i) {
     const VkDescriptorSetLayoutBinding& binding = info.pBindings[i];

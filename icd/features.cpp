@@ -32,6 +32,25 @@ constexpr VkPhysicalDeviceTimelineSemaphoreFeatures kTimelineSemaphore{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES, .timelineSemaphore = VK_TRUE};
 constexpr VkPhysicalDeviceHostQueryResetFeatures kHostQueryReset{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES, .hostQueryReset = VK_TRUE};
+constexpr VkPhysicalDeviceDescriptorIndexingFeatures kDescriptorIndexing{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_FEATURES,
+    .shaderUniformTexelBufferArrayDynamicIndexing = VK_TRUE,
+    .shaderStorageTexelBufferArrayDynamicIndexing = VK_TRUE,
+    .shaderUniformBufferArrayNonUniformIndexing = VK_TRUE,
+    .shaderSampledImageArrayNonUniformIndexing = VK_TRUE,
+    .shaderStorageBufferArrayNonUniformIndexing = VK_TRUE,
+    .shaderStorageImageArrayNonUniformIndexing = VK_TRUE,
+    .shaderUniformTexelBufferArrayNonUniformIndexing = VK_TRUE,
+    .shaderStorageTexelBufferArrayNonUniformIndexing = VK_TRUE,
+    .descriptorBindingUniformBufferUpdateAfterBind = VK_TRUE,
+    .descriptorBindingSampledImageUpdateAfterBind = VK_TRUE,
+    .descriptorBindingStorageImageUpdateAfterBind = VK_TRUE,
+    .descriptorBindingStorageBufferUpdateAfterBind = VK_TRUE,
+    .descriptorBindingUniformTexelBufferUpdateAfterBind = VK_TRUE,
+    .descriptorBindingStorageTexelBufferUpdateAfterBind = VK_TRUE,
+    .descriptorBindingUpdateUnusedWhilePending = VK_TRUE,
+    .descriptorBindingPartiallyBound = VK_TRUE,
+    .runtimeDescriptorArray = VK_TRUE};
 constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT,
     .customBorderColors = VK_TRUE,
@@ -73,6 +92,7 @@ std::span<const FeatureRow> rows() {
       row(kShaderDrawParameters, kShaderDrawParameters.shaderDrawParameters),
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
+      row(kDescriptorIndexing, kDescriptorIndexing.runtimeDescriptorArray),
       row(kCustomBorderColor, kCustomBorderColor.customBorderColorWithoutFormat),
       row(k8BitStorage, k8BitStorage.storagePushConstant8),
       row(kFloat16Int8, kFloat16Int8.shaderInt8),

@@ -159,7 +159,8 @@ ImageView::ImageView(const Allocator& from_allocator, Device& device, const VkIm
   descriptor_.state_id = device.texture_states.intern_view(view_half(info, shown, level_count));
 }
 
-// The further planes of a view that is sampled through a YCbCr conversion: levels[p] is plane p (compiler/kernels/sample_ycbcr.h).
+// The further planes of a view that is sampled through a YCbCr conversion: levels[p] is plane p
+// (compiler/kernels/sample_ycbcr.h).
 void ImageView::show_planes(const uint8_t* start) {
   for (uint32_t p = 1; p < image_.format.plane_count(); ++p) {
     const ImagePlane& plane = image_.plane(p);

@@ -38,16 +38,14 @@ std::vector<compiler::TextureUse> PipelineTextures::uses(std::span<const Texture
   std::vector<compiler::TextureUse> uses;
   for (size_t i = 0; i < slots_.size(); ++i) {
     compiler::TextureUse use{slots_[i].image, slots_[i].sampler, states.combine(key[i].view, key[i].sampler)};
-    if (key[i].view == 0) use.state.view_type = slots_[i].view_type;  // a null image fits every shader
+    if (key[i].view == 0) use.state.view_type = slots_[i].view_type;      // a null image fits every shader
     if (std::ranges::find(uses, use) == uses.end()) uses.push_back(use);  // both stages may sample the same pair
   }
   return uses;
 }
 
 uint32_t uses_before_specialization() { return specializes_at_once() ? 1 : 2; }
-bool specializes_at_once() {
-  return !debug(kDebugGeneral) && (config().mode != Mode::kJit || debug(kDebugSpecialize));
-}
+bool specializes_at_once() { return !debug(kDebugGeneral) && (config().mode != Mode::kJit || debug(kDebugSpecialize)); }
 
 const TextureStates& texture_states(const Device& device) { return device.texture_states; }
 

@@ -2,8 +2,8 @@
 //
 // Every pipeline is compiled at creation. Code that samples depends on what is bound (format, filter, address modes:
 // compiler::TextureState), so that first, general form calls a function for each sample (compiler/sample_functions.h). A
-// combination of textures that is used again gets a variant with the sampling inlined, compiled in the background; it computes the
-// same bits. Modes that are for looking at values rather than for speed take the variants at once.
+// combination of textures that is used again gets a variant with the sampling inlined, compiled in the background; it computes
+// the same bits. Modes that are for looking at values rather than for speed take the variants at once.
 //
 // The variants belong to the thread that executes for the queue (queue.h: one at a time); the background thread completes them.
 // All else is constant after creation.
@@ -56,8 +56,8 @@ class Variants {
  public:
   using Compile = std::function<std::unique_ptr<const Kernels>(std::span<const compiler::TextureUse>)>;
 
-  // Kernels for what is bound, or null: then the general ones serve for now. `compile` runs on the background thread, on behalf of
-  // `owner`.
+  // Kernels for what is bound, or null: then the general ones serve for now. `compile` runs on the background thread, on behalf
+  // of `owner`.
   const Kernels* find(Device& device, const void* owner, const PipelineTextures& textures, const DescriptorSet* const* sets,
                       const Compile& compile) {
     textures.key(sets, key_);

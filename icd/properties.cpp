@@ -61,8 +61,30 @@ void fill(VkPhysicalDeviceTimelineSemaphoreProperties& to) {
   to.maxTimelineSemaphoreValueDifference = ~uint64_t{0};  // all 64 bits are compared
 }
 
+void fill(VkPhysicalDeviceDescriptorIndexingProperties& to) {
+  constexpr uint32_t kMany = kMaxUpdateAfterBindDescriptors;
+  to.maxUpdateAfterBindDescriptorsInAllPools = 0xFFFFFFFFu;  // memory is the limit
+  to.shaderUniformBufferArrayNonUniformIndexingNative = to.shaderSampledImageArrayNonUniformIndexingNative =
+      to.shaderStorageBufferArrayNonUniformIndexingNative = to.shaderStorageImageArrayNonUniformIndexingNative = VK_TRUE;
+  to.shaderInputAttachmentArrayNonUniformIndexingNative = VK_FALSE;
+  to.robustBufferAccessUpdateAfterBind = VK_TRUE;
+  to.quadDivergentImplicitLod = VK_FALSE;
+  to.maxPerStageDescriptorUpdateAfterBindSamplers = to.maxPerStageDescriptorUpdateAfterBindUniformBuffers =
+      to.maxPerStageDescriptorUpdateAfterBindStorageBuffers = to.maxPerStageDescriptorUpdateAfterBindSampledImages =
+          to.maxPerStageDescriptorUpdateAfterBindStorageImages = to.maxPerStageUpdateAfterBindResources = kMany;
+  to.maxPerStageDescriptorUpdateAfterBindInputAttachments = kLimits.maxPerStageDescriptorInputAttachments;
+  to.maxDescriptorSetUpdateAfterBindSamplers = to.maxDescriptorSetUpdateAfterBindUniformBuffers =
+      to.maxDescriptorSetUpdateAfterBindStorageBuffers = to.maxDescriptorSetUpdateAfterBindSampledImages =
+          to.maxDescriptorSetUpdateAfterBindStorageImages = kMany;
+  to.maxDescriptorSetUpdateAfterBindUniformBuffersDynamic = kLimits.maxDescriptorSetUniformBuffersDynamic;
+  to.maxDescriptorSetUpdateAfterBindStorageBuffersDynamic = kLimits.maxDescriptorSetStorageBuffersDynamic;
+  to.maxDescriptorSetUpdateAfterBindInputAttachments = kLimits.maxDescriptorSetInputAttachments;
+}
+
 // A colour is part of its sampler (sampler.cpp).
-void fill(VkPhysicalDeviceCustomBorderColorPropertiesEXT& to) { to.maxCustomBorderColorSamplers = kLimits.maxSamplerAllocationCount; }
+void fill(VkPhysicalDeviceCustomBorderColorPropertiesEXT& to) {
+  to.maxCustomBorderColorSamplers = kLimits.maxSamplerAllocationCount;
+}
 
 // Every format is reduced component by component, after its conversion to numbers.
 void fill(VkPhysicalDeviceSamplerFilterMinmaxProperties& to) {
@@ -91,6 +113,7 @@ constexpr PropertyRow kRows[] = {
     row<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES),
     // ---- extensions
     row<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES),
+    row<VkPhysicalDeviceDescriptorIndexingProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_PROPERTIES),
     row<VkPhysicalDeviceCustomBorderColorPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_PROPERTIES_EXT),
     row<VkPhysicalDeviceSamplerFilterMinmaxProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_FILTER_MINMAX_PROPERTIES),
     row<VkPhysicalDeviceTimelineSemaphoreProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_PROPERTIES),

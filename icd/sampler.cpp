@@ -53,8 +53,8 @@ compiler::TextureState sampler_half(const VkSamplerCreateInfo& info) {
   state.anisotropy = info.anisotropyEnable && info.maxAnisotropy > 1;
   state.compare_enable = info.compareEnable;
   if (info.compareEnable) state.compare = info.compareOp;
-  const auto* reduction = find_in_chain<VkSamplerReductionModeCreateInfo>(
-      info.pNext, VK_STRUCTURE_TYPE_SAMPLER_REDUCTION_MODE_CREATE_INFO);
+  const auto* reduction =
+      find_in_chain<VkSamplerReductionModeCreateInfo>(info.pNext, VK_STRUCTURE_TYPE_SAMPLER_REDUCTION_MODE_CREATE_INFO);
   if (reduction) state.reduction = reduction->reductionMode;
   const auto* conversion =
       find_in_chain<VkSamplerYcbcrConversionInfo>(info.pNext, VK_STRUCTURE_TYPE_SAMPLER_YCBCR_CONVERSION_INFO);

@@ -21,14 +21,13 @@ SamplerYcbcrConversion::SamplerYcbcrConversion(const Allocator& from_allocator, 
     : Object(from_allocator) {
   if (find_format(info.format)->plane_count() == 1) return;
   const auto component = [&](VkComponentSwizzle c, uint8_t identity) { return swizzle_source(c, identity); };
-  state_ = compiler::YcbcrState{
-      .format = info.format,
-      .model = info.ycbcrModel,
-      .range = info.ycbcrRange,
-      .chroma_offset = {info.xChromaOffset, info.yChromaOffset},
-      .chroma_filter = info.chromaFilter,
-      .swizzle = {component(info.components.r, 0), component(info.components.g, 1), component(info.components.b, 2),
-                  component(info.components.a, 3)}};
+  state_ = compiler::YcbcrState{.format = info.format,
+                                .model = info.ycbcrModel,
+                                .range = info.ycbcrRange,
+                                .chroma_offset = {info.xChromaOffset, info.yChromaOffset},
+                                .chroma_filter = info.chromaFilter,
+                                .swizzle = {component(info.components.r, 0), component(info.components.g, 1),
+                                            component(info.components.b, 2), component(info.components.a, 3)}};
 }
 
 VkResult api::CreateSamplerYcbcrConversion(VkDevice device, const VkSamplerYcbcrConversionCreateInfo* info,

@@ -14,6 +14,8 @@ constexpr VkDescriptorType kStorageTexels = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUF
 constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 
 struct SamplingClient : PipelineClient {
+  using PipelineClient::PipelineClient;
+
   struct Texture {
     VkImageViewType type;
     VkExtent3D extent;
@@ -44,8 +46,9 @@ struct SamplingClient : PipelineClient {
       const VkBufferImageCopy region{0, 0, 0, color_layers(0, 0, t.layers), {}, t.extent};
       VK(*this, CmdCopyBufferToImage)(cb, staging.handle, image, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
     });
-    const VkImageViewCreateInfo view_info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, nullptr, 0,  image, t.type, info.format, {},
-                                          {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, t.layers}};
+    const VkImageViewCreateInfo view_info{
+        VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,      nullptr, 0, image, t.type, info.format, {},
+        {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, t.layers}};
     VkImageView out = VK_NULL_HANDLE;
     EXPECT_EQ(VK(*this, CreateImageView)(device, &view_info, nullptr, &out), VK_SUCCESS);
     defer([this, out] { VK(*this, DestroyImageView)(device, out, nullptr); });
@@ -53,8 +56,7 @@ struct SamplingClient : PipelineClient {
   }
 
   VkBufferView texel_view(const Buffer& of, VkFormat format, VkDeviceSize offset, VkDeviceSize range) {
-    const VkBufferViewCreateInfo info{
-        VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, of.handle, format, offset, range};
+    const VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, of.handle, format, offset, range};
     VkBufferView out = VK_NULL_HANDLE;
     EXPECT_EQ(VK(*this, CreateBufferView)(device, &info, nullptr, &out), VK_SUCCESS);
     defer([this, out] { VK(*this, DestroyBufferView)(device, out, nullptr); });
@@ -101,11 +103,11 @@ TEST(IcdSampling, ArraysCubesVolumesAndTexelBuffers) {
   const VkDescriptorSet set = client.set_for(set_layout);
   const VkSampler sampler = client.nearest_sampler();
   for (uint32_t i = 0; i < 3; ++i) {  // element 3 stays unwritten
-    const VkImageView view =
-        client.texture({VK_IMAGE_VIEW_TYPE_2D, {8, 8, 1}, 1}, [&](uint32_t n) { return gray(64 * i + n); });
+    const VkImageView view = client.texture({VK_IMAGE_VIEW_TYPE_2D, {8, 8, 1}, 1}, [&](uint32_t n) { return gray(64 * i + n); });
     client.write(set, 0, i, view, sampler);
   }
-  const VkImageView cube = client.texture({VK_IMAGE_VIEW_TYPE_CUBE, {8, 8, 1}, 6}, [](uint32_t n) { return gray(n / 64 * 40 + n % 8); });
+  const VkImageView cube =
+      client.texture({VK_IMAGE_VIEW_TYPE_CUBE, {8, 8, 1}, 6}, [](uint32_t n) { return gray(n / 64 * 40 + n % 8); });
   client.write(set, 1, 0, cube, sampler);
   const VkImageView volume = client.texture({VK_IMAGE_VIEW_TYPE_3D, {8, 8, 4}, 1}, [](uint32_t n) { return gray(n); });
   client.write(set, 2, 0, volume, sampler);
@@ -148,6 +150,119 @@ TEST(IcdSampling, ArraysCubesVolumesAndTexelBuffers) {
       ASSERT_EQ(words.as<uint32_t>()[i], want) << i;
     }
     if (turn >= 3) std::this_thread::sleep_for(std::chrono::milliseconds(20));  // lets the background compile finish
+  }
+}
+
+// Sixteen samples along a line, through a combined descriptor whose sampler may be immutable.
+struct LineFixture {
+  SamplingClient client;
+  const Client::Buffer out = client.buffer(16 * 16);
+
+  explicit LineFixture(const void* device_chain = nullptr, std::initializer_list<const char*> extensions = {})
+      : client(nullptr, {}, extensions, device_chain) {}
+
+  VkSampler sampler(VkSamplerCreateInfo info) {
+    info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
+    VkSampler sampler = VK_NULL_HANDLE;
+    EXPECT_EQ(VK(client, CreateSampler)(client.device, &info, nullptr, &sampler), VK_SUCCESS);
+    client.defer([this, sampler] { VK(client, DestroySampler)(client.device, sampler, nullptr); });
+    return sampler;
+  }
+
+  // place: first coordinate and step.
+  std::array<std::array<float, 4>, 16> sample(VkImageView view, VkSampler sampler, std::array<float, 4> place) {
+    const auto set_layout = client.set_layout(
+        {{0, kCombined, 1, VK_SHADER_STAGE_COMPUTE_BIT, &sampler}, {1, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+    const VkPipelineLayout layout = client.pipeline_layout(set_layout, 16);
+    const VkDescriptorSet set = client.set_for(set_layout);
+    client.write(set, 0, 0, view, sampler);
+    client.write_buffer(set, 1, kStorage, {out.handle, 0, VK_WHOLE_SIZE});
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    EXPECT_EQ(client.compute_pipeline(layout, client.module(kSampleLineCompute), nullptr, &pipeline), VK_SUCCESS);
+    client.run([&](VkCommandBuffer cb) {
+      VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+      VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+      VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 0, 16, place.data());
+      VK(client, CmdDispatch)(cb, 1, 1, 1);
+    });
+    std::array<std::array<float, 4>, 16> result;
+    std::memcpy(&result, out.data, sizeof(result));
+    return result;
+  }
+};
+
+TEST(IcdSampling, CustomBorderColors) {
+  VkPhysicalDeviceCustomBorderColorFeaturesEXT features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT};
+  features.customBorderColors = features.customBorderColorWithoutFormat = VK_TRUE;
+  LineFixture f(&features, {VK_EXT_CUSTOM_BORDER_COLOR_EXTENSION_NAME});
+  ASSERT_EQ(f.client.result, VK_SUCCESS);
+  const VkImageView view = f.client.texture({VK_IMAGE_VIEW_TYPE_2D, {8, 8, 1}, 1}, [](uint32_t) { return gray(255); });
+  VkSamplerCustomBorderColorCreateInfoEXT custom{VK_STRUCTURE_TYPE_SAMPLER_CUSTOM_BORDER_COLOR_CREATE_INFO_EXT};
+  const float color[4] = {0.125f, 0.25f, 0.5f, 0.75f};
+  std::memcpy(&custom.customBorderColor, color, sizeof(color));
+  VkSamplerCreateInfo info{.pNext = &custom, .borderColor = VK_BORDER_COLOR_FLOAT_CUSTOM_EXT};
+  info.addressModeU = info.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+  const auto result = f.sample(view, f.sampler(info), {-0.5f, 0.5f, 0.125f, 0});
+  for (size_t i = 0; i < 16; ++i) {
+    for (size_t c = 0; c < 4; ++c) EXPECT_EQ(result[i][c], i < 4 || i >= 12 ? color[c] : 1.0f) << i;
+  }
+}
+
+TEST(IcdSampling, MinimumAndMaximumOfAFootprint) {
+  LineFixture f(nullptr, {VK_EXT_SAMPLER_FILTER_MINMAX_EXTENSION_NAME});
+  ASSERT_EQ(f.client.result, VK_SUCCESS);
+  const VkImageView view = f.client.texture({VK_IMAGE_VIEW_TYPE_2D, {8, 8, 1}, 1}, [](uint32_t n) { return gray(3 * n); });
+  for (const auto mode : {VK_SAMPLER_REDUCTION_MODE_MIN, VK_SAMPLER_REDUCTION_MODE_MAX}) {
+    const VkSamplerReductionModeCreateInfo reduction{VK_STRUCTURE_TYPE_SAMPLER_REDUCTION_MODE_CREATE_INFO, nullptr, mode};
+    VkSamplerCreateInfo info{.pNext = &reduction, .magFilter = VK_FILTER_LINEAR, .minFilter = VK_FILTER_LINEAR};
+    info.addressModeU = info.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    const auto result = f.sample(view, f.sampler(info), {0.125f, 0.25f, 0.125f, 0});  // between columns i, i + 1 and rows 1, 2
+    for (uint32_t i = 0; i < 7; ++i) {
+      const float want = 3.0f * static_cast<float>(mode == VK_SAMPLER_REDUCTION_MODE_MIN ? 8 + i : 17 + i);
+      EXPECT_NEAR(result[i][0] * 255, want, 1e-3f) << i;
+    }
+  }
+}
+
+// A picture of one colour in two planes, converted after BT.709 from the narrow range.
+TEST(IcdSampling, YcbcrConversion) {
+  VkPhysicalDeviceSamplerYcbcrConversionFeatures features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES,
+                                                          nullptr, VK_TRUE};
+  LineFixture f(&features);
+  ASSERT_EQ(f.client.result, VK_SUCCESS);
+  constexpr VkFormat kFormat = VK_FORMAT_G8_B8R8_2PLANE_420_UNORM;
+  const VkImage image = f.client.image(kFormat, {8, 8, 1}, 1, 1, VK_IMAGE_USAGE_SAMPLED_BIT);
+  const auto staging = f.client.buffer(64 + 32);
+  std::memset(staging.data, 180, 64);
+  for (uint32_t i = 0; i < 32; ++i) staging.data[64 + i] = i % 2 ? 150 : 100;
+  f.client.run([&](VkCommandBuffer cb) {
+    const VkBufferImageCopy planes[] = {{0, 0, 0, {VK_IMAGE_ASPECT_PLANE_0_BIT, 0, 0, 1}, {}, {8, 8, 1}},
+                                        {64, 0, 0, {VK_IMAGE_ASPECT_PLANE_1_BIT, 0, 0, 1}, {}, {4, 4, 1}}};
+    VK(f.client, CmdCopyBufferToImage)(cb, staging.handle, image, VK_IMAGE_LAYOUT_GENERAL, 2, planes);
+  });
+  VkSamplerYcbcrConversionCreateInfo conversion_info{VK_STRUCTURE_TYPE_SAMPLER_YCBCR_CONVERSION_CREATE_INFO};
+  conversion_info.format = kFormat;
+  conversion_info.ycbcrModel = VK_SAMPLER_YCBCR_MODEL_CONVERSION_YCBCR_709;
+  conversion_info.ycbcrRange = VK_SAMPLER_YCBCR_RANGE_ITU_NARROW;
+  conversion_info.chromaFilter = VK_FILTER_LINEAR;
+  VkSamplerYcbcrConversion conversion = VK_NULL_HANDLE;
+  ASSERT_EQ(VK(f.client, CreateSamplerYcbcrConversion)(f.client.device, &conversion_info, nullptr, &conversion), VK_SUCCESS);
+  f.client.defer([&f, conversion] { VK(f.client, DestroySamplerYcbcrConversion)(f.client.device, conversion, nullptr); });
+  const VkSamplerYcbcrConversionInfo chain{VK_STRUCTURE_TYPE_SAMPLER_YCBCR_CONVERSION_INFO, nullptr, conversion};
+  const VkImageViewCreateInfo view_info{
+      VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO, &chain, 0, image, VK_IMAGE_VIEW_TYPE_2D, kFormat, {},
+      {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+  VkImageView view = VK_NULL_HANDLE;
+  ASSERT_EQ(VK(f.client, CreateImageView)(f.client.device, &view_info, nullptr, &view), VK_SUCCESS);
+  f.client.defer([&f, view] { VK(f.client, DestroyImageView)(f.client.device, view, nullptr); });
+  VkSamplerCreateInfo info{.pNext = &chain, .magFilter = VK_FILTER_LINEAR, .minFilter = VK_FILTER_LINEAR};
+  info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  const auto result = f.sample(view, f.sampler(info), {0, 0.3f, 0.0625f, 0.04f});
+  const double y = (180 - 16) / 219.0, cb = (100 - 128) / 224.0, cr = (150 - 128) / 224.0;
+  const double want[3] = {y + 1.5748 * cr, y - 0.13397432 / 0.7152 * cb - 0.33480248 / 0.7152 * cr, y + 1.8556 * cb};
+  for (size_t i = 0; i < 16; ++i) {
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(result[i][c], want[c], 1e-5) << i;
+    EXPECT_EQ(result[i][3], 1.0f);
   }
 }
 

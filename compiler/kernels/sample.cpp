@@ -126,9 +126,9 @@ Result<Channels> query_image(Builder& b, Value image, const spirv::ImageQuery& q
     case Kind::kSamples:
       return Channels{image_word(b, image, offsetof(ImageDescriptor, depth)), zero, zero, zero};
     case Kind::kSize: {
-      Channels size{image_word(b, image, offsetof(ImageDescriptor, width)), image_word(b, image, offsetof(ImageDescriptor, height)),
-                    image_word(b, image, offsetof(ImageDescriptor, depth)),
-                    image_word(b, image, offsetof(ImageDescriptor, layer_count))};
+      Channels size{
+          image_word(b, image, offsetof(ImageDescriptor, width)), image_word(b, image, offsetof(ImageDescriptor, height)),
+          image_word(b, image, offsetof(ImageDescriptor, depth)), image_word(b, image, offsetof(ImageDescriptor, layer_count))};
       for (uint32_t a = 0; a < 3 && query.lod; ++a) {  // a null image has size zero
         size[a] = b.umax(b.lshr(size[a], query.lod), b.umin(size[a], one));
       }

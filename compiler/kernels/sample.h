@@ -18,7 +18,8 @@ struct SampleSource {
 };
 
 // Filtered sampling, gather, comparison, or texel fetch, as the request says. What is computed does not depend on the
-// surroundings (nothing is contracted into an FMA across its border), so a copy that is called gives the same bits (sample_call.h).
+// surroundings (nothing is contracted into an FMA across its border), so a copy that is called gives the same bits
+// (sample_call.h).
 Result<Channels> sample_image(ir::Builder& b, const SampleSource& source, const spirv::SampleRequest& request);
 
 Result<Channels> query_image(ir::Builder& b, ir::Value image, const spirv::ImageQuery& query);  // all kinds but kLod

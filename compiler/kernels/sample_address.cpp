@@ -93,7 +93,11 @@ namespace {
 
 // Position of the lower texel's centre in 1/256 texel: (s - 0.5) * 256, rounded to nearest even by the constant 1.5 * 2^23, which
 // leaves the integer in the low bits (|s| is below 2^15).
-LinearPosition lower_texel(Builder& b, const Position& p) {
+LinearPosition lower_texel(Builder& b, const AxisRequest& axis, const Position& p) {
+  if (axis.unweighted) {
+    const Value s = b.fma(p.value, p.scale ? p.scale : b.f32(1), b.f32(-0.5));
+    return {.i0 = b.convert(Op::kFToS, Type::kI32, b.ffloor(s)), .weight1 = {}, .weight1_fx8 = {}};
+  }
   constexpr double kRound = 0x1.8p23;
   const Value scale = p.scale ? b.fmul(p.scale, b.f32(256)) : b.f32(256);
   const Value bits = b.op(Op::kBitcast, Type::kI32, {b.fma(p.value, scale, b.f32(kRound - 128))});
@@ -105,11 +109,11 @@ LinearPosition lower_texel(Builder& b, const Position& p) {
 
 }  // namespace
 
-LinearPosition linear_position(Builder& b, const AxisRequest& axis) { return lower_texel(b, position(b, axis)); }
+LinearPosition linear_position(Builder& b, const AxisRequest& axis) { return lower_texel(b, axis, position(b, axis)); }
 
 LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
   const Position p = position(b, axis);
-  const LinearPosition lower = lower_texel(b, p);
+  const LinearPosition lower = lower_texel(b, axis, p);
   const Value i0 = lower.i0, i1 = b.iadd(i0, b.i32(1));
   LinearTexels out;
   out.weight1 = lower.weight1;

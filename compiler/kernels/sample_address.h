@@ -18,8 +18,9 @@ struct AxisRequest {
   AxisSize size;
   VkSamplerAddressMode mode = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   bool unnormalized = false;
-  int32_t offset = 0;         // texels
+  int32_t offset = 0;        // texels
   ir::Value dynamic_offset;  // I32, instead of `offset` when it is set
+  bool unweighted = false;   // linear texels without weights, for gathers: the position is not rounded to 1/256 texel
 };
 
 // Indices are in [0, size) whatever the coordinate, NaN included, so reads need no further check. Where `inside` is false (border
@@ -40,7 +41,7 @@ LinearTexels linear_texels(ir::Builder& b, const AxisRequest& axis);
 
 // Without wrapping: for clamped modes without offset i0 is in [-1, size - 1].
 struct LinearPosition {
-  ir::Value i0;       // I32
+  ir::Value i0;           // I32
   ir::Value weight1;      // F32
   ir::Value weight1_fx8;  // I32
 };

@@ -115,8 +115,7 @@ SampleSignature SampleSignature::unpack(uint64_t bits) {
   s.operation = static_cast<Operation>(u.get(2));
   s.view_type = static_cast<VkImageViewType>(u.get(3));
   s.lod_mode = static_cast<LodMode>(u.get(2));
-  for (bool* flag :
-       {&s.integer, &s.has_bias, &s.has_min_lod, &s.has_reference, &s.has_dynamic_offset, &s.has_sample}) {
+  for (bool* flag : {&s.integer, &s.has_bias, &s.has_min_lod, &s.has_reference, &s.has_dynamic_offset, &s.has_sample}) {
     *flag = u.get(1) != 0;
   }
   s.gather_component = static_cast<int8_t>(static_cast<int>(u.get(3)) - 1);
@@ -146,8 +145,7 @@ Result<Channels> call_sample(Builder& b, Value image, Value sampler, const Sampl
 
 Result<Channels> call_query_lod(Builder& b, Value image, Value sampler, const spirv::ImageQuery& query) {
   const SampleRequest r = lod_request(b, query);
-  const SampleSignature s{
-      .operation = Operation::kQueryLod, .view_type = query.view_type, .lod_mode = LodMode::kGradient};
+  const SampleSignature s{.operation = Operation::kQueryLod, .view_type = query.view_type, .lod_mode = LodMode::kGradient};
   return call(b, image, sampler, s, r);
 }
 

@@ -1,5 +1,5 @@
-// The general path: a kernel that calls functions for its samples (sample_call.h, sample_functions.h) computes the same bits as one
-// in which the sampling is inlined, whatever surrounds it.
+// The general path: a kernel that calls functions for its samples (sample_call.h, sample_functions.h) computes the same bits as
+// one in which the sampling is inlined, whatever surrounds it.
 #include "compiler/kernels/sample_call.h"
 
 #include <bit>
@@ -22,9 +22,9 @@ constexpr uint32_t kDescriptorSlot = 232;  // push constant bytes that hold the 
 constexpr uint32_t kInputs = 12;
 
 struct Case {
-  std::vector<TextureState> states;       // of each image
-  std::vector<const TestImage*> images;   // lanes choose one by input 11
-  SampleRequest request;                  // what is constant in it
+  std::vector<TextureState> states;      // of each image
+  std::vector<const TestImage*> images;  // lanes choose one by input 11
+  SampleRequest request;                 // what is constant in it
   bool layered = false;
 };
 
@@ -115,7 +115,10 @@ class SampleCalls : public testing::Test {
     r.result = find_format(shape.format)->is_integer() ? Type::kI32 : Type::kF32;
     const bool cube = is_cube(shape.type);
     const uint32_t kind = pick(5);
-    r.lod_mode = kind == 0 ? LodMode::kExplicit : kind == 1 ? LodMode::kGradient : kind == 2 && !cube ? LodMode::kFetch : LodMode::kImplicit;
+    r.lod_mode = kind == 0            ? LodMode::kExplicit
+                 : kind == 1          ? LodMode::kGradient
+                 : kind == 2 && !cube ? LodMode::kFetch
+                                      : LodMode::kImplicit;
     const bool fetch = r.lod_mode == LodMode::kFetch;
     if (shape.format == VK_FORMAT_D32_SFLOAT && !fetch) r.depth_reference = some;
     if (kind == 4 && shape.type != VK_IMAGE_VIEW_TYPE_3D && axis_count(shape.type) > 1) {
@@ -131,8 +134,8 @@ class SampleCalls : public testing::Test {
   }
 
   ImageShape random_shape() {
-    constexpr VkFormat kFormats[] = {VK_FORMAT_R8G8B8A8_UNORM,     VK_FORMAT_R8G8B8A8_SRGB,     VK_FORMAT_R16G16B16A16_SFLOAT,
-                                     VK_FORMAT_R32G32_SFLOAT,      VK_FORMAT_R8G8_SNORM,        VK_FORMAT_R16G16B16A16_UINT,
+    constexpr VkFormat kFormats[] = {VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                     VK_FORMAT_R32G32_SFLOAT,       VK_FORMAT_R8G8_SNORM,    VK_FORMAT_R16G16B16A16_UINT,
                                      VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_D32_SFLOAT};
     ImageShape s{.format = kFormats[pick(std::size(kFormats))], .type = static_cast<VkImageViewType>(pick(7))};
     s.width = 1 + pick(20);

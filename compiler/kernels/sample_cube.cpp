@@ -80,16 +80,14 @@ FaceRequest select_face(Builder& b, const spirv::SampleRequest& request) {
   for (const auto member : {&spirv::SampleRequest::ddx, &spirv::SampleRequest::ddy}) {
     const auto& d = request.*member;
     const OnFace slope = to_face(b, face, {d[0], d[1], d[2]});
-    const auto derivative = [&](Value c, Value dc) {
-      return b.fmul(b.fsub(b.fmul(p.r, dc), b.fmul(c, slope.r)), scale);
-    };
+    const auto derivative = [&](Value c, Value dc) { return b.fmul(b.fsub(b.fmul(p.r, dc), b.fmul(c, slope.r)), scale); };
     out.request.*member = {derivative(p.s, slope.s), derivative(p.t, slope.t), {}};
   }
   return out;
 }
 
-// Texel centres are at the odd (n even) or even (n odd) points 2 i + 1 - n, a face's plane at n. One texel beyond the edge is n + 1
-// along the face; folded over, it is n along that axis and n - 1 along the old major one.
+// Texel centres are at the odd (n even) or even (n odd) points 2 i + 1 - n, a face's plane at n. One texel beyond the edge is n +
+// 1 along the face; folded over, it is n along that axis and n - 1 along the old major one.
 CubeTexel fold(Builder& b, Value face, Value i, Value j, Value n) {
   const Value one = b.i32(1), last = b.isub(n, one);
   const auto point = [&](Value index) { return b.isub(b.shl(index, one), last); };

@@ -123,9 +123,8 @@ void expect_samples(const TestImage& image, const TextureState& state, const Flo
       ++tested;
       ASSERT_NEAR(std::bit_cast<float>(out[c][i]), want, kTolerance)
           << "view type " << state.view_type << " component " << c << " at " << in[0][i] << ", " << in[1][i] << ", " << in[2][i]
-          << " layer " << in[3][i] << " lod " << in[4][i] << " modes " << state.address[0] << state.address[1]
-          << state.address[2] << " filters " << state.mag_filter << state.min_filter << state.mipmap_mode << " reduction "
-          << state.reduction;
+          << " layer " << in[3][i] << " lod " << in[4][i] << " modes " << state.address[0] << state.address[1] << state.address[2]
+          << " filters " << state.mag_filter << state.min_filter << state.mipmap_mode << " reduction " << state.reduction;
     }
   }
   EXPECT_GT(tested, in[0].size() / 2 * components);
@@ -234,10 +233,8 @@ TEST(SampleDims, Anisotropy) {
     size_t tested = 0;
     for (size_t i = 0; i < count; ++i) {
       spec.near_boundary = false;
-      const SpecSample at{.coord = {in[0][i], in[1][i]},
-                          .ddx = {in[2][i], in[3][i]},
-                          .ddy = {in[4][i], in[5][i]},
-                          .anisotropic = true};
+      const SpecSample at{
+          .coord = {in[0][i], in[1][i]}, .ddx = {in[2][i], in[3][i]}, .ddy = {in[4][i], in[5][i]}, .anisotropic = true};
       const double want = spec.sample(at, 1);
       // Sixteen probes have so many roundings to 1/256 texel that most samples have one that is near: each moves the sum by at
       // most 1/256 of a texel's difference, over the number of probes.
@@ -252,7 +249,8 @@ TEST(SampleDims, Anisotropy) {
 TEST(SampleDims, GatherFromPlanesAndCubesWithOffsets) {
   std::mt19937 random(kSeed);
   for (const ImageShape& shape : kShapes) {
-    if (shape.type != VK_IMAGE_VIEW_TYPE_2D && shape.type != VK_IMAGE_VIEW_TYPE_2D_ARRAY && shape.type < VK_IMAGE_VIEW_TYPE_CUBE) continue;
+    if (shape.type != VK_IMAGE_VIEW_TYPE_2D && shape.type != VK_IMAGE_VIEW_TYPE_2D_ARRAY && shape.type < VK_IMAGE_VIEW_TYPE_CUBE)
+      continue;
     const bool cube = shape.type == VK_IMAGE_VIEW_TYPE_CUBE || shape.type == VK_IMAGE_VIEW_TYPE_CUBE_ARRAY;
     const TestImage image(shape, random);
     for (int turn = 0; turn < 8; ++turn) {

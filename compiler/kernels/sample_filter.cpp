@@ -54,12 +54,19 @@ AxisRequest Filter::axis(const LevelView& level, uint32_t a, const Coordinates& 
           .mode = cube_ ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE : state_.address[a],
           .unnormalized = state_.unnormalized,
           .offset = request_.offset[a],
-          .dynamic_offset = request_.dynamic_offset[a]};
+          .dynamic_offset = request_.dynamic_offset[a],
+          .unweighted = request_.gather_component >= 0};
 }
 
 Filter::Plane Filter::plane(const LevelView& level, const Coordinates& at) {
   const LinearTexels x = linear_texels(b_, axis(level, 0, at));
-  Plane p{.column = {x.i0, x.i1}, .row = {}, .inside_x = {x.inside0, x.inside1}, .inside_y = {}, .weight_x = x.weight1, .weight_y = {}, .weight_x_fx8 = x.weight1_fx8};
+  Plane p{.column = {x.i0, x.i1},
+          .row = {},
+          .inside_x = {x.inside0, x.inside1},
+          .inside_y = {},
+          .weight_x = x.weight1,
+          .weight_y = {},
+          .weight_x_fx8 = x.weight1_fx8};
   if (axes_ == 1) return p;
   const LinearTexels y = linear_texels(b_, axis(level, 1, at));
   p.row[0] = y.i0, p.row[1] = y.i1;
@@ -143,7 +150,8 @@ bool Filter::packs() const {
 
 // What weighted() computes, in integers while they are small: both are exact.
 Channels Filter::weighted_bytes(const LevelView& level, const Plane& p, Value z) {
-  const Value low = b_.i32(0xFFFF), high = b_.i32(0xFFFF0000), bytes = b_.i32(0x00FF00FF), shift16 = b_.i32(16), shift8 = b_.i32(8);
+  const Value low = b_.i32(0xFFFF), high = b_.i32(0xFFFF0000), bytes = b_.i32(0x00FF00FF), shift16 = b_.i32(16),
+              shift8 = b_.i32(8);
   const Value weights = b_.isub(b_.iadd(b_.shl(p.weight_x_fx8, shift16), b_.i32(256)), p.weight_x_fx8);  // 256 - w, w
   const Value column[2] = {reader_.column_offset(p.column[0]), reader_.column_offset(p.column[1])};
   Channels sum{};
@@ -222,12 +230,17 @@ void Filter::fill_corner(Taps& taps, const std::array<Value, 4>& is_corner) {
 Channels Filter::linear_on_cube(const LevelView& level, const Coordinates& at) {
   const LinearPosition x = linear_position(b_, axis(level, 0, at)), y = linear_position(b_, axis(level, 1, at));
   const Value one = b_.i32(1), n = level.size[0].texels;
-  const Plane p{.column = {x.i0, b_.iadd(x.i0, one)}, .row = {y.i0, b_.iadd(y.i0, one)}, .inside_x = {}, .inside_y = {}, .weight_x = x.weight1, .weight_y = y.weight1, .weight_x_fx8 = x.weight1_fx8};
+  const Plane p{.column = {x.i0, b_.iadd(x.i0, one)},
+                .row = {y.i0, b_.iadd(y.i0, one)},
+                .inside_x = {},
+                .inside_y = {},
+                .weight_x = x.weight1,
+                .weight_y = y.weight1,
+                .weight_x_fx8 = x.weight1_fx8};
   // i0 >= 0 and i0 + 1 < n, in one unsigned comparison
   const Value within = b_.and_(b_.ult(x.i0, b_.isub(n, one)), b_.ult(y.i0, b_.isub(n, one)));
   return channels_if(
-      within, [&] { return linear_plane(level, p, {}, {}); },
-      [&] { return weighted(read_over_edges(level, p), p); });
+      within, [&] { return linear_plane(level, p, {}, {}); }, [&] { return weighted(read_over_edges(level, p), p); });
 }
 
 // ---- levels, filters, probes ------------------------------------------------------------------------------------------------
@@ -298,7 +311,13 @@ Channels Filter::gather() {
   if (cube_) {
     const Value x = linear_position(b_, axis(view, 0, at)).i0, y = linear_position(b_, axis(view, 1, at)).i0;
     const Value one = b_.i32(1);
-    taps = read_over_edges(view, {.column = {x, b_.iadd(x, one)}, .row = {y, b_.iadd(y, one)}, .inside_x = {}, .inside_y = {}, .weight_x = {}, .weight_y = {}, .weight_x_fx8 = {}});
+    taps = read_over_edges(view, {.column = {x, b_.iadd(x, one)},
+                                  .row = {y, b_.iadd(y, one)},
+                                  .inside_x = {},
+                                  .inside_y = {},
+                                  .weight_x = {},
+                                  .weight_y = {},
+                                  .weight_x_fx8 = {}});
   } else {
     taps = read_plane(view, plane(view, at), {}, {});
   }

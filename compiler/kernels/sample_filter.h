@@ -16,7 +16,7 @@ class Filter {
 
  private:
   using Coordinates = std::array<ir::Value, 3>;
-  struct Plane {  // the linear footprint in x and y
+  struct Plane {                         // the linear footprint in x and y
     ir::Value column[2], row[2];         // texels
     ir::Value inside_x[2], inside_y[2];  // unset = always
     ir::Value weight_x, weight_y;        // F32, of column[1], row[1]; weight_y unset: one row

@@ -23,8 +23,8 @@ Value image_size(Builder& b, const SampleSource& source, uint32_t axis) {
   return b.load(Type::kI32, source.image, static_cast<uint32_t>(offsetof(ImageDescriptor, width) + 4 * axis), kFixed);
 }
 
-// The footprint of a pixel in the base level: what the gradients become when they are scaled to texels (section 16.7 "Scale Factor
-// Operation").
+// The footprint of a pixel in the base level: what the gradients become when they are scaled to texels (section 16.7 "Scale
+// Factor Operation").
 struct Footprint {
   Value major_squared, minor_squared;  // squares of the lengths of the longer and the shorter axis
   Value x_is_major;                    // B1
@@ -48,7 +48,8 @@ Footprint footprint(Builder& b, const SampleSource& source, const spirv::SampleR
 // eta of section 16.7: how much longer than wide the footprint is, within [1, maxAnisotropy]. A footprint of no size gives 1.
 Value anisotropy(Builder& b, const SampleSource& source, const Footprint& f) {
   const Value ratio = b.fmax(b.f32(1), b.fsqrt(b.fdiv(f.major_squared, f.minor_squared)));
-  const Value most = b.fmin(b.f32(kMaxAnisotropy), b.fmax(b.f32(1), sampler_word(b, source, offsetof(SamplerDescriptor, max_anisotropy))));
+  const Value most =
+      b.fmin(b.f32(kMaxAnisotropy), b.fmax(b.f32(1), sampler_word(b, source, offsetof(SamplerDescriptor, max_anisotropy))));
   return b.fmin(most, ratio);
 }
 

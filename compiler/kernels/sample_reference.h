@@ -33,8 +33,8 @@ struct SpecSample {
   double layer = 0;
   double lod = 0;  // after bias and clamps
   std::array<int, 3> offset{};
-  double depth_reference = 0;                     // when the state compares
-  std::array<double, 3> ddx{}, ddy{};             // for anisotropy
+  double depth_reference = 0;          // when the state compares
+  std::array<double, 3> ddx{}, ddy{};  // for anisotropy
   bool anisotropic = false;
 };
 

@@ -1,6 +1,6 @@
-#include <cmath>
-
 #include "compiler/kernels/sample_reference.h"
+
+#include <cmath>
 
 namespace pineda::kernels::test {
 namespace {
@@ -287,7 +287,7 @@ std::array<double, 4> SpecSampler::gather(const SpecSample& request, uint32_t c)
   for (uint32_t a = 0; a < 2; ++a) {
     const double s = at.coord[a] * image_.size(a, 0) + offset_[a] - 0.5;
     guard(s, 0);
-    lower[a] = static_cast<int>(std::floor(s + 0.5 / 256));  // the footprint is that of the rounded position
+    lower[a] = static_cast<int>(std::floor(s));
   }
   const std::array<std::array<int, 2>, 4> order{{{0, 1}, {1, 1}, {1, 0}, {0, 0}}};
   std::array<double, 4> out{};

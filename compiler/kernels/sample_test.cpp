@@ -414,10 +414,9 @@ TEST(Sample, GatherTakesTheFootprintCounterClockwise) {
     for (size_t i = 0; i < 128; ++i) {
       Reference reference{image, state};
       const double s = in[0][i] * 6.0 - 0.5, t = in[1][i] * 5.0 - 0.5;
-      reference.guard(s * 256, 0.5), reference.guard(t * 256, 0.5);
+      reference.guard(s, 0), reference.guard(t, 0);
       if (reference.near_boundary) continue;
-      const int x = static_cast<int>(std::floor(std::floor(s * 256 + 0.5) / 256)),
-                y = static_cast<int>(std::floor(std::floor(t * 256 + 0.5) / 256));
+      const int x = static_cast<int>(std::floor(s)), y = static_cast<int>(std::floor(t));
       const int dx[4] = {0, 1, 1, 0}, dy[4] = {1, 1, 0, 0};
       for (uint32_t k = 0; k < 4; ++k) {
         const double want = component == 3 ? 1 : reference.tap(x + dx[k], y + dy[k], 0, state.swizzle[component]);

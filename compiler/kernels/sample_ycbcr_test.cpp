@@ -40,7 +40,8 @@ struct PlanarImage {
     const uint32_t plane = c == 0 ? 0 : three_planes ? c : 1;
     const uint32_t stride = c > 0 && !three_planes ? 2 : 1, first = c == 2 && !three_planes ? 1 : 0;
     const MipLevel& l = descriptor.levels[plane];
-    return bytes[l.offset_bytes + static_cast<uint32_t>(y) * l.row_pitch_bytes + static_cast<uint32_t>(x) * stride + first] / 255.0;
+    return bytes[l.offset_bytes + static_cast<uint32_t>(y) * l.row_pitch_bytes + static_cast<uint32_t>(x) * stride + first] /
+           255.0;
   }
 };
 

@@ -80,7 +80,13 @@ const Row& row_of(SamplingKind kind) {
       {SamplingKind::kCubeSeams, cube_seams_frag, {kCube, {4, 4, 1}, 1, 6}, cube_texel, kLinear, 1, false},
       {SamplingKind::kBorders, borders_frag, {k2D, {8, 8, 1}}, random_texel, kLinear, 1, false},
       {SamplingKind::kVolume, volume_frag, {k3D, {16, 16, 16}}, random_texel, kLinear, 1, false},
-      {SamplingKind::kShadowMap, shadow_map_frag, {k2D, {256, 256, 1}, 1, 1, VK_FORMAT_D32_SFLOAT}, depth_texel, kLinear, 1, true},
+      {SamplingKind::kShadowMap,
+       shadow_map_frag,
+       {k2D, {256, 256, 1}, 1, 1, VK_FORMAT_D32_SFLOAT},
+       depth_texel,
+       kLinear,
+       1,
+       true},
       {SamplingKind::kGathers, gathers_frag, {k2D, {24, 24, 1}}, random_texel, kLinear, 1, false},
       {SamplingKind::kUpscale, upscale_frag, {k2D, {240, 135, 1}}, random_texel, kLinear, 1, false},
       {SamplingKind::kLookupTable, lookup_table_frag, table, table_texel, kLinear, 1, false},
@@ -129,8 +135,8 @@ class SamplingScene final : public RenderScene {
   }
 
   void create_set(VkContext& context, uint32_t count) {
-    const VkDescriptorSetLayoutBinding binding{
-        0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+    const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count, VK_SHADER_STAGE_FRAGMENT_BIT,
+                                               nullptr};
     const VkDescriptorSetLayoutCreateInfo info{
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;

@@ -15,16 +15,15 @@ VkImageAspectFlags aspect(const TextureShape& shape) {
 }
 
 void move_layout(VkCommandBuffer commands, VkImage image, const TextureShape& shape, VkImageLayout from, VkImageLayout to) {
-  const VkImageMemoryBarrier barrier{
-      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-      .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-      .dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_READ_BIT,
-      .oldLayout = from,
-      .newLayout = to,
-      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-      .image = image,
-      .subresourceRange = {aspect(shape), 0, shape.levels, 0, shape.layers}};
+  const VkImageMemoryBarrier barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                     .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                     .dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_READ_BIT,
+                                     .oldLayout = from,
+                                     .newLayout = to,
+                                     .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .image = image,
+                                     .subresourceRange = {aspect(shape), 0, shape.levels, 0, shape.layers}};
   vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
                        VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, 0, nullptr, 0, nullptr, 1,
                        &barrier);
@@ -36,9 +35,8 @@ void upload(VkContext& context, VkImage image, const TextureShape& shape,
   std::vector<VkBufferImageCopy> copies;
   for (uint32_t level = 0; level < shape.levels; ++level) {
     const VkExtent3D extent = level_extent(shape, level);
-    copies.push_back({.bufferOffset = 4 * texels.size(),
-                      .imageSubresource = {aspect(shape), level, 0, shape.layers},
-                      .imageExtent = extent});
+    copies.push_back(
+        {.bufferOffset = 4 * texels.size(), .imageSubresource = {aspect(shape), level, 0, shape.layers}, .imageExtent = extent});
     for (uint32_t layer = 0; layer < shape.layers; ++layer) {
       for (uint32_t z = 0; z < extent.depth; ++z) {
         for (uint32_t y = 0; y < extent.height; ++y) {
@@ -58,8 +56,7 @@ void upload(VkContext& context, VkImage image, const TextureShape& shape,
 
 }  // namespace
 
-Texture create_texture(VkContext& context, const TextureShape& shape,
-                       const std::function<uint32_t(const TexelPlace&)>& texel) {
+Texture create_texture(VkContext& context, const TextureShape& shape, const std::function<uint32_t(const TexelPlace&)>& texel) {
   const bool cube = shape.type == VK_IMAGE_VIEW_TYPE_CUBE;
   const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                .flags = cube ? VkImageCreateFlags(VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT) : 0,
