@@ -1,6 +1,7 @@
 #include "compiler/sample_functions.h"
 
 #include <bit>
+#include <new>
 
 #include "base/log.h"
 #include "compiler/kernels/sample_call.h"
@@ -55,21 +56,25 @@ std::unique_ptr<SampleFunctions::Entry> SampleFunctions::make(uint64_t signature
   return entry;
 }
 
-const SampleFunctions::Entry& SampleFunctions::find(uint64_t signature, uint32_t view_id, uint32_t sampler_id) const {
+// Null when there is no such function, or no memory to make it. Machine code calls this, so nothing may be thrown.
+const KernelHandle* SampleFunctions::find(uint64_t signature, uint32_t view_id, uint32_t sampler_id) const noexcept try {
   std::atomic<const Entry*>& bucket = buckets_[hash(signature, view_id, sampler_id) % kBuckets];
   const auto look = [&]() -> const Entry* {
     const Entry* entry = bucket.load(std::memory_order_acquire);
     while (entry && !entry->is(signature, view_id, sampler_id)) entry = entry->next;
     return entry;
   };
-  if (const Entry* known = look()) return *known;
+  const auto handle_of = [](const Entry& entry) { return entry.kernel ? &entry.kernel->handle : nullptr; };
+  if (const Entry* known = look()) return handle_of(*known);
   const std::lock_guard lock(mutex_);
-  if (const Entry* known = look()) return *known;
+  if (const Entry* known = look()) return handle_of(*known);
   std::unique_ptr<Entry> made = make(signature, view_id, sampler_id);
   made->next = bucket.load(std::memory_order_relaxed);
   entries_.push_back(std::move(made));
   bucket.store(entries_.back().get(), std::memory_order_release);
-  return *entries_.back();
+  return handle_of(*entries_.back());
+} catch (const std::bad_alloc&) {
+  return nullptr;
 }
 
 // Lanes whose descriptors are the same go together; mostly all do.
@@ -92,9 +97,9 @@ void SampleFunctions::run(const KernelHandle* self, const void* draw, void* thre
     const bool fetch = call.sampler == call.image;  // no sampler: the words there are an image's
     const uint32_t view_id = reinterpret_cast<const ImageDescriptor*>(call.image)->state_id;
     const uint32_t sampler_id = fetch ? 0 : reinterpret_cast<const SamplerDescriptor*>(call.sampler)->state_id;
-    const Entry& entry = functions.find(call.signature, view_id, sampler_id);
-    if (entry.kernel) {
-      entry.kernel->handle(draw, thread, &prim, 1, &call);
+    const KernelHandle* function = functions.find(call.signature, view_id, sampler_id);
+    if (function) {
+      (*function)(draw, thread, &prim, 1, &call);
     } else {
       zero_results(call);
     }

@@ -29,7 +29,7 @@ class SampleFunctions {
   struct Entry;
   static void run(const KernelHandle* self, const void* draw, void* thread, const PrimRecord* prims, uint32_t prim_count,
                   const void* waves);
-  const Entry& find(uint64_t signature, uint32_t view_id, uint32_t sampler_id) const;
+  const KernelHandle* find(uint64_t signature, uint32_t view_id, uint32_t sampler_id) const noexcept;
   std::unique_ptr<Entry> make(uint64_t signature, uint32_t view_id, uint32_t sampler_id) const;
 
   static constexpr uint32_t kBuckets = 1024;
