@@ -317,5 +317,51 @@ TEST(SampleDims, AnyCoordinateGivesATexel) {
   }
 }
 
+// OpImageQueryLod: the LOD of a quad, from the differences to its first pixel, and the level that it accesses.
+TEST(SampleDims, QueriedLod) {
+  std::mt19937 random(kSeed);
+  for (const auto mipmap_mode : {VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_MIPMAP_MODE_LINEAR}) {
+    const ImageShape shape{.type = VK_IMAGE_VIEW_TYPE_2D_ARRAY, .width = 32, .height = 16, .levels = 4, .layers = 2};
+    TestImage image(shape, random);
+    image.descriptor.lod_bias = 0.25f;
+    image.descriptor.min_lod = -2, image.descriptor.max_lod = 5;
+    TextureState state{.format = shape.format, .view_type = shape.type, .mipmap_mode = mipmap_mode};
+    const ArrayKernel kernel(2, [&](Builder& b, const std::vector<Value>& words) {
+      const Value descriptor = b.load(Type::kPtr, b.draw_ptr(), offsetof(DrawContext, push_constants) + kDescriptorSlot);
+      const Value sampler = b.ptr_add(descriptor, b.i32(offsetof(ImageDescriptor, lod_bias)));
+      spirv::ImageQuery query{.kind = spirv::ImageQuery::Kind::kLod, .view_type = shape.type};
+      query.coord = {b.bitcast(Type::kF32, words[0]), b.bitcast(Type::kF32, words[1])};
+      const Result<Channels> answer = query_lod(b, {state, descriptor, sampler}, lod_request(b, query));
+      EXPECT_TRUE(answer);
+      return std::vector<Value>{(*answer)[0], (*answer)[1]};
+    });
+    DrawContext draw{};
+    const void* descriptor = &image.descriptor;
+    std::memcpy(draw.push_constants + kDescriptorSlot, &descriptor, 8);
+    std::vector<std::vector<uint32_t>> in(2, std::vector<uint32_t>(256));
+    for (auto& array : in) {
+      for (uint32_t& bits : array) bits = std::bit_cast<uint32_t>(static_cast<float>(random() / 0x1p32 / (1 << random() % 8)));
+    }
+    const auto out = kernel(in, draw);
+    const auto number = [](uint32_t bits) { return static_cast<double>(std::bit_cast<float>(bits)); };
+    for (size_t i = 0; i < 256; ++i) {
+      const size_t quad = i & ~size_t{3};
+      double rho = 0;
+      for (size_t d = 1; d <= 2; ++d) {
+        rho = std::max(rho, std::hypot((number(in[0][quad + d]) - number(in[0][quad])) * shape.width,
+                                       (number(in[1][quad + d]) - number(in[1][quad])) * shape.height));
+      }
+      const double lod = std::clamp(std::log2(rho) + 0.25, -2.0, 5.0);
+      ASSERT_NEAR(number(out[1][i]), lod, 0x1p-13) << i;
+      const double accessed = std::clamp(lod, 0.0, 3.0);
+      if (mipmap_mode == VK_SAMPLER_MIPMAP_MODE_LINEAR) {
+        ASSERT_NEAR(number(out[0][i]), accessed, 0x1p-13) << i;
+      } else if (std::fabs(accessed - std::floor(accessed) - 0.5) > 0.001) {
+        ASSERT_EQ(number(out[0][i]), std::ceil(accessed + 0.5) - 1) << i;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pineda::kernels::test
