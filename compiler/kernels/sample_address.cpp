@@ -14,10 +14,16 @@ bool is_border(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS
 bool is_repeat(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_REPEAT; }
 bool is_mirrored(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT; }
 
-// Repeating modes with a texel offset wrap the integer index; otherwise the coordinate is wrapped before it is scaled, which
-// loses nothing of it.
+bool is_mirror_clamped(const AxisRequest& axis) { return axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE; }
+
+// Repeating and mirroring modes with a texel offset wrap the integer index, for the offset comes first; otherwise the coordinate
+// is wrapped before it is scaled, which loses nothing of it. Where a coordinate is mirrored its two texels change places with
+// their weights; gathers have none, so they mirror the indices.
 bool has_offset(const AxisRequest& axis) { return axis.offset != 0 || axis.dynamic_offset; }
-bool wraps_integers(const AxisRequest& axis) { return has_offset(axis) && (is_repeat(axis) || is_mirrored(axis)); }
+bool wraps_integers(const AxisRequest& axis) {
+  const bool mirrors = is_mirrored(axis) || is_mirror_clamped(axis);
+  return (has_offset(axis) && (is_repeat(axis) || mirrors)) || (axis.unweighted && mirrors);
+}
 
 Value offset_i32(Builder& b, const AxisRequest& axis) {
   return axis.dynamic_offset ? axis.dynamic_offset : b.i32(static_cast<uint32_t>(axis.offset));
@@ -42,10 +48,13 @@ Position position(Builder& b, const AxisRequest& axis) {
   }
   if (!axis.unnormalized && !has_offset(axis)) {
     if (axis.mode == VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE) return {b.fmin(b.fmax(zero, u), one), size, true};
-    if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) return {b.fmin(one, b.fabs(u)), size, true};
+    if (is_mirror_clamped(axis) && !axis.unweighted) return {b.fmin(one, b.fabs(u)), size, true};
   }
   Value s = axis.unnormalized ? u : b.fmul(u, size);
-  if (axis.mode == VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE) s = b.fabs(s);
+  if (is_mirror_clamped(axis)) {  // the offset, of less than 128 texels, is added later
+    const Value end = b.fadd(size, b.f32(128));
+    return {b.fmin(b.fmax(b.fneg(end), s), end), {}};
+  }
   if (has_offset(axis)) s = b.fadd(s, b.convert(Op::kSToF, Type::kF32, offset_i32(b, axis)));
   return {b.fmin(b.fmax(b.f32(-1), s), b.fadd(size, one)), {}};
 }
@@ -59,10 +68,17 @@ Value modulo(Builder& b, Value i, Value n) {
 }
 
 Value wrap_integer(Builder& b, const AxisRequest& axis, Value i) {
-  i = b.iadd(i, offset_i32(b, axis));
+  if (has_offset(axis)) i = b.iadd(i, offset_i32(b, axis));
   if (is_repeat(axis)) return modulo(b, i, axis.size.texels);
+  if (is_mirror_clamped(axis)) return b.umin(b.xor_(i, b.ashr(i, b.i32(31))), last_texel(b, axis));  // i or -(1 + i)
   const Value period = b.shl(axis.size.texels, b.i32(1));
-  const Value j = modulo(b, i, period);
+  Value j;
+  if (has_offset(axis)) {
+    j = modulo(b, i, period);
+  } else {  // -1 .. period
+    j = b.select(b.slt(i, b.i32(0)), b.iadd(i, period), i);
+    j = b.select(b.slt(j, period), j, b.isub(j, period));
+  }
   return b.umin(j, b.isub(b.isub(period, b.i32(1)), j));
 }
 
