@@ -182,8 +182,9 @@ struct ThreadContext {
   uint8_t* depth;
   uint8_t* stencil;
   uint64_t samples_passed;  // occlusion counter
-  uint64_t reserved;
-  SampleCall sample_call;  // scratch
+  uint8_t* wave_frames;     // compute kernels with barriers: what each wave keeps across them, compile.h's wave_frame_bytes a
+                            // wave; aligned to 64 bytes
+  SampleCall sample_call;   // scratch
 };
 
 // ---- vertex kernels -------------------------------------------------------------------------------------------------------

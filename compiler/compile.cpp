@@ -5,6 +5,7 @@
 
 #include "base/blocked_signals.h"
 #include "base/config.h"
+#include "compiler/ir/wave_frame.h"
 #include "compiler/kernel_cache.h"
 #include "compiler/kernels/kernels.h"
 
@@ -74,7 +75,7 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source) {
   if (!kernel) return std::unexpected(kernel.error());
   Result<ExecutablePtr> code = finished_executable(std::move(*kernel));
   if (!code) return std::unexpected(code.error());
-  return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes};
+  return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes, ir::wave_frame((*code)->ir).bytes};
 }
 
 Result<KernelPtr> compile_kernel(ir::Kernel kernel) {

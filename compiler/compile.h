@@ -168,6 +168,7 @@ struct ComputeKernel {
   KernelPtr kernel;
   std::array<uint32_t, 3> local_size{};
   uint32_t shared_memory_bytes = 0;
+  uint64_t wave_frame_bytes = 0;  // of ThreadContext::wave_frames, for each wave of a workgroup
 };
 
 Result<GraphicsKernels> compile_graphics(const GraphicsSource& source);

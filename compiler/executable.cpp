@@ -171,6 +171,7 @@ std::string KernelHash::text() const {
 KernelHash hash_kernel(const ir::Kernel& kernel) {
   Hasher hasher;
   hasher.add(static_cast<uint64_t>(kernel.kind) << 32 | kernel.wave_stride_bytes);
+  hasher.add(kernel.full_waves);
   for (const ir::Inst& inst : kernel.insts) {
     hasher.add(static_cast<uint64_t>(inst.op) << 32 | static_cast<uint64_t>(inst.type) << 16 | inst.flags);
     hasher.add(static_cast<uint64_t>(inst.operand[0].id) << 32 | inst.operand[1].id);

@@ -21,7 +21,8 @@ void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> co
                                   .base = base,
                                   .count = count,
                                   .local_size = compute_kernel_->local_size,
-                                  .shared_memory_bytes = compute_kernel_->shared_memory_bytes});
+                                  .shared_memory_bytes = compute_kernel_->shared_memory_bytes,
+                                  .wave_frame_bytes = compute_kernel_->wave_frame_bytes});
 }
 
 void Executor::execute(const cmd::Dispatch& command) { dispatch({}, command.count); }

@@ -13,17 +13,27 @@ constexpr uint32_t kGroupsPerCall = 64;             // PrimRecords given to the 
 constexpr uint32_t kSharedBytesPerCall = 16 << 10;  // their shared memory should stay in L1
 constexpr uint64_t kInvocationsPerChunk = 2048;     // below this a hand-over costs more than the work of a simple kernel
 constexpr uint32_t kChunksPerThread = 16;           // for balance
-constexpr size_t kSharedAlignment = 64;
+constexpr size_t kAlignmentBytes = 64;
 
 // Memory of one thread during one dispatch.
 struct GroupScratch {
   WorkgroupRecord groups[kGroupsPerCall];
   PrimRecord prims[kGroupsPerCall];
-  std::vector<uint8_t> shared;
+  std::unique_ptr<uint8_t[]> shared_storage, frame_storage;
+  uint8_t* shared = nullptr;  // null when nothing is shared
+  uint8_t* frames = nullptr;
 
-  uint8_t* shared_base() {
-    const auto address = reinterpret_cast<uintptr_t>(shared.data());
-    return shared.data() + ((kSharedAlignment - address % kSharedAlignment) % kSharedAlignment);
+  GroupScratch(size_t shared_bytes, size_t frame_bytes) {
+    if (shared_bytes != 0) shared = allocate(shared_storage, shared_bytes);
+    if (frame_bytes != 0) frames = allocate(frame_storage, frame_bytes);
+  }
+
+ private:
+  // Not cleared: a kernel stores to its frames before it reads them.
+  static uint8_t* allocate(std::unique_ptr<uint8_t[]>& storage, size_t bytes) {
+    storage = std::make_unique_for_overwrite<uint8_t[]>(bytes + kAlignmentBytes);
+    const auto address = reinterpret_cast<uintptr_t>(storage.get());
+    return storage.get() + (kAlignmentBytes - address % kAlignmentBytes) % kAlignmentBytes;
   }
 };
 
@@ -42,7 +52,7 @@ class Dispatcher {
       : packet_(packet),
         invocations_(uint64_t{packet.local_size[0]} * packet.local_size[1] * packet.local_size[2]),
         waves_(make_waves(invocations_)),
-        shared_stride_((packet.shared_memory_bytes + kSharedAlignment - 1) / kSharedAlignment * kSharedAlignment),
+        shared_stride_((packet.shared_memory_bytes + kAlignmentBytes - 1) / kAlignmentBytes * kAlignmentBytes),
         groups_per_call_(packet.shared_memory_bytes == 0 ? kGroupsPerCall
                                                          : static_cast<uint32_t>(std::clamp<size_t>(
                                                                kSharedBytesPerCall / shared_stride_, 1, kGroupsPerCall))),
@@ -50,16 +60,17 @@ class Dispatcher {
 
   // Workgroups [first, end) in x-fastest order.
   void run(uint64_t first, uint64_t end, uint32_t thread) {
-    if (!scratch_[thread]) scratch_[thread] = std::make_unique<GroupScratch>();
+    if (!scratch_[thread]) {
+      scratch_[thread] =
+          std::make_unique<GroupScratch>(shared_stride_ * groups_per_call_, packet_.wave_frame_bytes * waves_.size());
+    }
     GroupScratch& scratch = *scratch_[thread];
-    const size_t shared_bytes = shared_stride_ * groups_per_call_;
-    if (packet_.shared_memory_bytes != 0) scratch.shared.resize(shared_bytes + kSharedAlignment);
     ThreadContext context{};
+    context.wave_frames = scratch.frames;
     while (first < end) {
       const auto n = static_cast<uint32_t>(std::min<uint64_t>(end - first, groups_per_call_));
       // Zeroed for every workgroup: what an earlier one left behind would depend on the number of threads.
-      uint8_t* shared = packet_.shared_memory_bytes != 0 ? scratch.shared_base() : nullptr;
-      if (shared) std::memset(shared, 0, shared_stride_ * n);
+      if (scratch.shared) std::memset(scratch.shared, 0, shared_stride_ * n);
       for (uint32_t i = 0; i < n; ++i) {
         const uint64_t index = first + i;
         const uint64_t row = index / packet_.count[0];
@@ -68,7 +79,7 @@ class Dispatcher {
         group.id[1] = packet_.base[1] + static_cast<uint32_t>(row % packet_.count[1]);
         group.id[2] = packet_.base[2] + static_cast<uint32_t>(row / packet_.count[1]);
         group.reserved = 0;
-        group.shared_memory = shared ? shared + shared_stride_ * i : nullptr;
+        group.shared_memory = scratch.shared ? scratch.shared + shared_stride_ * i : nullptr;
         scratch.prims[i] = {&group, 0, static_cast<uint32_t>(waves_.size())};
       }
       packet_.kernel(packet_.context, &context, scratch.prims, n, waves_.data());

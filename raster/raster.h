@@ -130,6 +130,7 @@ struct DispatchPacket {
   std::array<uint32_t, 3> base{}, count{};  // workgroups
   std::array<uint32_t, 3> local_size{1, 1, 1};
   uint32_t shared_memory_bytes = 0;
+  uint64_t wave_frame_bytes = 0;  // compile.h
 };
 void dispatch(ThreadPool& pool, const DispatchPacket& packet);
 

@@ -21,6 +21,9 @@ struct Step {
   std::array<Slot, ir::kMaxOperands> in{};
   uint64_t imm = 0;                 // Inst::imm; Local accesses: the number of elements
   std::array<uint32_t, 2> block{};  // If, Loop
+  bool for_group = false;           // If, Loop: holds a Barrier
+  uint64_t identity = 0, first = 0;  // Reduce: raw values of inactive lanes, and of the first lane of an exclusive scan
+  ir::LaneFn combine = nullptr;      // Reduce
 };
 
 struct Copy {
@@ -44,6 +47,7 @@ struct Code {
   ir::Floats floats = ir::Floats::kNative;
   uint32_t wave_stride_bytes = 0;
   uint32_t draw = 0, prim = 0, wave = 0;  // blocks; 0 is an empty one
+  bool has_barriers = false;
   std::vector<Block> blocks{1};
   std::vector<Constant> constants;
   uint64_t value_count = kLanes;  // raw values of all slots, Locals included

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
 
 #include "base/float_environment.h"
 #include "compiler/eval/code.h"
@@ -29,17 +30,25 @@ class Machine {
     for (uint32_t p = 0; p < prim_count; ++p) {
       prim_ = prims[p].prim;
       block(code_.prim, kAllActive);
+      const uint8_t* first = static_cast<const uint8_t*>(waves) + uint64_t{prims[p].first_wave} * code_.wave_stride_bytes;
+      if (code_.has_barriers) {
+        run_group(first, prims[p].wave_count);
+        continue;
+      }
       for (uint32_t w = 0; w < prims[p].wave_count; ++w) {
-        const uint64_t index = static_cast<uint64_t>(prims[p].first_wave) + w;
-        wave_ = static_cast<const uint8_t*>(waves) + index * code_.wave_stride_bytes;
-        std::fill(values_.get() + code_.locals_begin, values_.get() + code_.value_count, 0);
-        block(code_.wave, static_cast<Mask>(DirectMemory().load(reinterpret_cast<uint64_t>(wave_), 4)) & kAllActive);
+        wave_ = first + uint64_t{w} * code_.wave_stride_bytes;
+        clear_locals();
+        block(code_.wave, mask_of(wave_));
       }
     }
   }
 
  private:
-  uint64_t* at(Slot slot) { return values_.get() + slot; }
+  uint64_t* at(Slot slot) { return current_ + slot; }
+  void clear_locals() { std::fill(current_ + code_.locals_begin, current_ + code_.value_count, 0); }
+  static Mask mask_of(const void* wave) {
+    return static_cast<Mask>(DirectMemory().load(reinterpret_cast<uint64_t>(wave), 4)) & kAllActive;
+  }
   void fill(Slot slot, uint64_t raw) { std::fill_n(at(slot), kLanes, raw); }
   void fill(Slot slot, const void* pointer) { fill(slot, reinterpret_cast<uint64_t>(pointer)); }
 
@@ -59,8 +68,10 @@ class Machine {
     return out & mask;
   }
 
-  void block(uint32_t index, Mask mask) {
-    for (const Step& s : code_.blocks[index].steps) {
+  void block(uint32_t index, Mask mask) { steps(code_.blocks[index].steps, mask); }
+
+  void steps(std::span<const Step> all, Mask mask) {
+    for (const Step& s : all) {
       if (s.fn != nullptr) {
         s.fn(at(s.out), at(s.in[0]), at(s.in[1]), at(s.in[2]));
       } else {
@@ -86,6 +97,10 @@ class Machine {
         return fill(s.out, static_cast<uint64_t>(lanes_where(s.in[0], mask)));
       case Op::kQuadSwizzle:
         return quad_swizzle(s);
+      case Op::kShuffle:
+        return shuffle(s, mask);
+      case Op::kReduce:
+        return reduce(s, mask);
       case Op::kLoad:
         return load(s, mask);
       case Op::kStore:
@@ -113,13 +128,46 @@ class Machine {
     for (uint32_t l = 0; l < kLanes; ++l) at(s.out)[l] = in[(l & ~3u) | (s.imm >> (2 * (l & 3)) & 3)];
   }
 
+  void shuffle(const Step& s, Mask mask) {
+    std::array<uint64_t, kLanes> in;
+    std::copy_n(at(s.in[0]), kLanes, in.begin());
+    for (uint32_t l = 0; l < kLanes; ++l) {
+      const auto from = static_cast<uint32_t>(at(s.in[1])[l] % kLanes);
+      at(s.out)[l] = active(mask, from) ? in[from] : 0;
+    }
+  }
+
+  // See ir.h, "Subgroups".
+  void reduce(const Step& s, Mask mask) {
+    const uint32_t cluster = 1u << (s.imm >> 16);
+    const auto scan = static_cast<ir::Scan>(s.imm >> 8 & 0xff);
+    std::array<uint64_t, kLanes> x, other, combined;
+    for (uint32_t l = 0; l < kLanes; ++l) x[l] = active(mask, l) ? at(s.in[0])[l] : s.identity;
+    if (scan == ir::Scan::kReduce) {
+      for (uint32_t step = cluster / 2; step > 0; step /= 2) {
+        for (uint32_t l = 0; l < kLanes; ++l) other[l] = x[(l & ~(cluster - 1)) | ((l + step) & (cluster - 1))];
+        s.combine(x.data(), x.data(), other.data(), nullptr);
+      }
+      for (uint32_t l = 0; l < kLanes; ++l) at(s.out)[l] = x[l & ~(cluster - 1)];
+      return;
+    }
+    for (uint32_t step = 1; step < cluster; step *= 2) {
+      for (uint32_t l = 0; l < kLanes; ++l) other[l] = x[l >= step ? l - step : l];
+      s.combine(combined.data(), other.data(), x.data(), nullptr);
+      for (uint32_t l = 0; l < kLanes; ++l) x[l] = l % cluster >= step ? combined[l] : x[l];
+    }
+    const bool exclusive = scan == ir::Scan::kExclusive;
+    for (uint32_t l = 0; l < kLanes; ++l) at(s.out)[l] = !exclusive ? x[l] : l % cluster == 0 ? s.first : x[l - 1];
+  }
+
   // Whether a checked access may take place, and where. Checks in 64 bits: nothing wraps.
   struct Access {
     bool allowed;
     uint64_t address;
   };
   Access access(const Step& s, uint32_t lane, uint32_t size_bytes, Slot limit) {
-    const uint64_t offset = at(s.in[1])[lane] + lane * (s.imm >> 32);
+    uint64_t offset = at(s.in[1])[lane] + lane * (s.imm >> 32);
+    if (s.flags & ir::kWrap) offset = static_cast<uint32_t>(offset);
     return {limit == 0 || offset + size_bytes <= at(limit)[lane], at(s.in[0])[lane] + offset};
   }
 
@@ -211,9 +259,82 @@ class Machine {
     }
   }
 
+  // ---- kernels with barriers: all waves of a primitive together ----
+  // Each wave has values of its own, which begin as a copy of the draw's and the primitive's.
+
+  void run_group(const uint8_t* first_wave, uint32_t wave_count) {
+    group_.assign(wave_count * code_.value_count, 0);
+    group_waves_ = first_wave;
+    std::vector<Mask> masks(wave_count);
+    for (uint32_t w = 0; w < wave_count; ++w) {
+      std::copy_n(values_.get(), code_.value_count, group_.data() + w * code_.value_count);
+      select_wave(w);
+      clear_locals();
+      masks[w] = mask_of(wave_);
+    }
+    group_block(code_.wave, masks);
+    current_ = values_.get();
+  }
+
+  void select_wave(size_t w) {
+    current_ = group_.data() + w * code_.value_count;
+    wave_ = group_waves_ + w * code_.wave_stride_bytes;
+  }
+
+  // fn(mask) for each wave that has active lanes.
+  template <class Fn>
+  void for_each_wave(std::vector<Mask>& masks, Fn&& fn) {
+    for (size_t w = 0; w < masks.size(); ++w) {
+      if (masks[w] == 0) continue;
+      select_wave(w);
+      fn(masks[w]);
+    }
+  }
+
+  void group_block(uint32_t index, std::vector<Mask>& masks) {
+    const std::vector<Step>& all = code_.blocks[index].steps;
+    for (size_t begin = 0; begin < all.size();) {
+      size_t end = begin;
+      while (end < all.size() && all[end].op != Op::kBarrier && !all[end].for_group) ++end;
+      for_each_wave(masks, [&](Mask mask) { steps({all.data() + begin, end - begin}, mask); });
+      if (end < all.size() && all[end].op == Op::kIf) group_if(all[end], masks);
+      if (end < all.size() && all[end].op == Op::kLoop) group_loop(all[end], masks);
+      begin = end + 1;
+    }
+  }
+
+  void group_if(const Step& s, std::vector<Mask>& masks) {
+    std::vector<Mask> sides[2] = {masks, masks};
+    for (size_t w = 0; w < masks.size(); ++w) {
+      select_wave(w);
+      sides[0][w] = lanes_where(s.in[0], masks[w]);
+      sides[1][w] = masks[w] & ~sides[0][w];
+    }
+    for (int side = 0; side < 2; ++side) {
+      group_block(s.block[side], sides[side]);
+      for_each_wave(sides[side], [&](Mask mask) { copy(code_.blocks[s.block[side]].yields, mask); });
+    }
+  }
+
+  void group_loop(const Step& s, std::vector<Mask> masks) {
+    const Block& body = code_.blocks[s.block[0]];
+    for_each_wave(masks, [&](Mask) { copy(body.initial, kAllActive); });
+    while (std::ranges::any_of(masks, [](Mask mask) { return mask != 0; })) {
+      group_block(s.block[0], masks);
+      for_each_wave(masks, [&](Mask& mask) {
+        copy(body.yields, mask);
+        mask = lanes_where(body.again, mask);
+        copy(body.carried, mask);
+      });
+    }
+  }
+
   const Code& code_;
   Memory& memory_;
   std::unique_ptr<uint64_t[]> values_;
+  uint64_t* current_ = values_.get();  // the values being computed: values_, or those of a wave in group_
+  std::vector<uint64_t> group_;        // by wave of the workgroup
+  const uint8_t* group_waves_ = nullptr;
   const void* draw_ = nullptr;
   void* thread_ = nullptr;
   const void* prim_ = nullptr;

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "compiler/ir/builder.h"
@@ -254,6 +257,89 @@ TEST(Eval, TruthKeepsNanPayloadsThatPassThrough) {
   rig.run(Mode::kF64);
   EXPECT_EQ(rig.waves[0].cell[0], 0x7f800001u);
   EXPECT_EQ(rig.waves[0].cell[1], 0xffc12345u);
+}
+
+// ---- subgroups and barriers -----------------------------------------------------------------------------------------------
+
+TEST(Eval, ShuffleReadsActiveLanes) {
+  Rig rig;
+  rig.waves[0].mask = 0xfffb;  // not lane 2
+  Builder b = rig.builder();
+  Rig::put(b, b.shuffle(b.iadd(b.lane(), b.i32(100)), b.iadd(b.lane(), b.i32(1))));
+  rig.run();
+  for (uint32_t l = 0; l < kLanes; ++l) {
+    const uint32_t from = (l + 1) % kLanes;
+    EXPECT_EQ(rig.waves[0].cell[l], l == 2 || from == 2 ? 0 : 100 + from) << l;
+  }
+}
+
+// The order that ir.h states, written out: sums of this series depend on it.
+TEST(Eval, FloatReductionsHaveOneOrder) {
+  const auto term = [](uint32_t l) { return 1.0f / static_cast<float>(3 * l + 1); };
+  for (const ir::Scan scan : {ir::Scan::kReduce, ir::Scan::kInclusive, ir::Scan::kExclusive}) {
+    Rig rig;
+    rig.waves[0].mask = 0xffdf;
+    Builder b = rig.builder();
+    const Value x = b.op(ir::Op::kFDiv, Type::kF32, {b.f32(1), b.convert(ir::Op::kUToF, Type::kF32,
+                                                                      b.iadd(b.imul(b.lane(), b.i32(3)), b.i32(1)))});
+    Rig::put(b, b.reduce(ir::ReduceOp::kFAdd, scan, x));
+    rig.run();
+    std::array<float, kLanes> v;
+    for (uint32_t l = 0; l < kLanes; ++l) v[l] = l == 5 ? -0.0f : term(l);
+    if (scan == ir::Scan::kReduce) {
+      for (uint32_t s : {8u, 4u, 2u, 1u}) {
+        for (uint32_t l = 0; l < s; ++l) v[l] += v[l + s];
+      }
+      v.fill(v[0]);
+    } else {
+      for (uint32_t s : {1u, 2u, 4u, 8u}) {
+        for (uint32_t l = kLanes; l-- > s;) v[l] = v[l - s] + v[l];
+      }
+      if (scan == ir::Scan::kExclusive) {
+        std::copy_backward(v.begin(), v.end() - 1, v.end());
+        v[0] = 0;
+      }
+    }
+    for (uint32_t l = 0; l < kLanes; ++l) {
+      if (l == 5) continue;
+      EXPECT_EQ(rig.waves[0].cell[l], std::bit_cast<uint32_t>(v[l])) << l;
+    }
+  }
+}
+
+// Each wave writes its number, and behind the barrier reads the next one's; a loop whose length only the waves know has one, too.
+TEST(Eval, BarriersOrderWaves) {
+  constexpr uint32_t kWaves = 4, kTurns = 3;
+  struct Record {
+    uint32_t mask = 0xffff, index;
+  };
+  std::array<Record, kWaves> waves;
+  for (uint32_t w = 0; w < kWaves; ++w) waves[w].index = w;
+  std::array<uint32_t, kWaves> shared{};
+  std::array<uint32_t, kWaves * kTurns> out{};
+  struct Draw {
+    uint32_t *shared, *out;
+  } draw{shared.data(), out.data()};
+  ir::Kernel kernel{.wave_stride_bytes = sizeof(Record)};
+  Builder b(kernel);
+  const Value index = b.load(Type::kI32, b.wave_ptr(), 4), shared_ptr = b.load(Type::kPtr, b.draw_ptr(), 0),
+              out_ptr = b.load(Type::kPtr, b.draw_ptr(), 8);
+  const Value next_index = b.and_(b.iadd(index, b.i32(1)), b.i32(kWaves - 1));
+  const auto word = [&](Value base, Value i) { return ir::Address{.base = base, .offset = b.shl(i, b.i32(2))}; };
+  b.loop({b.i32(0)}, [&](std::span<const Value> c) {
+    b.store(word(shared_ptr, index), b.iadd(b.imul(index, b.i32(10)), c[0]));
+    b.barrier();
+    b.store(word(out_ptr, b.iadd(b.imul(c[0], b.i32(kWaves)), index)), b.load(Type::kI32, word(shared_ptr, next_index)));
+    b.barrier();
+    const Value turn = b.iadd(c[0], b.i32(1));
+    return Builder::LoopStep{b.ult(turn, b.i32(kTurns)), {turn}};
+  });
+  ASSERT_EQ(ir::verify(kernel), "");
+  const PrimRecord prim{nullptr, 0, kWaves};
+  run(kernel, Mode::kF32, &draw, nullptr, &prim, 1, waves.data());
+  for (uint32_t t = 0; t < kTurns; ++t) {
+    for (uint32_t w = 0; w < kWaves; ++w) EXPECT_EQ(out[t * kWaves + w], (w + 1) % kWaves * 10 + t);
+  }
 }
 
 }  // namespace

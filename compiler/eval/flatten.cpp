@@ -12,7 +12,12 @@ using ir::Op;
 
 class Flattener {
  public:
-  Flattener(const ir::Kernel& kernel, Mode mode) : kernel_(kernel), slots_(kernel.insts.size()), results_(kernel.insts.size()) {
+  Flattener(const ir::Kernel& kernel, Mode mode)
+      : kernel_(kernel),
+        with_barriers_(ir::regions_with_barriers(kernel)),
+        slots_(kernel.insts.size()),
+        results_(kernel.insts.size()) {
+    code_.has_barriers = with_barriers_[kernel.wave];
     code_.floats = mode == Mode::kF32 ? ir::Floats::kNative : ir::Floats::kDouble;
     code_.wave_stride_bytes = kernel.wave_stride_bytes;
   }
@@ -93,6 +98,11 @@ class Flattener {
     for (uint32_t i = 0; i < ir::kMaxOperands; ++i) step.in[i] = inst.operand[i] ? slot(inst.operand[i]) : 0;
     if (inst.op == Op::kStore) step.type = kernel_.at(inst.operand[2]).type;
     if (inst.op == Op::kLocalLoad || inst.op == Op::kLocalStore) step.imm = kernel_.at(inst.operand[0]).imm;
+    if (inst.op == Op::kReduce) {
+      step.identity = ir::const_raw(inst.type, ir::reduce_identity(inst.reduce_op(), inst.type, false), code_.floats);
+      step.first = ir::const_raw(inst.type, ir::reduce_identity(inst.reduce_op(), inst.type, true), code_.floats);
+      step.combine = ir::lane_fn(ir::combining_op(inst.reduce_op()), inst.type, inst.type, code_.floats);
+    }
     const ir::OpInfo& info = ir::op_info(inst.op);
     if (info.effect == ir::Effect::kPure && info.operands > 0 && inst.op != Op::kQuadSwizzle) {
       const ir::Value typed = inst.operand[inst.op == Op::kSelect ? 1 : 0];
@@ -107,7 +117,7 @@ class Flattener {
 
   Step control(ir::Value v) {
     const ir::Inst& inst = kernel_.at(v);
-    Step step{.op = inst.op, .in = {slot(inst.operand[0])}};
+    Step step{.op = inst.op, .in = {slot(inst.operand[0])}, .for_group = ir::is_group_construct(inst, with_barriers_)};
     const auto& results = results_[v.id];
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
       step.block[r] = block(inst.region[r]);
@@ -128,6 +138,7 @@ class Flattener {
   }
 
   const ir::Kernel& kernel_;
+  const std::vector<bool> with_barriers_;  // by region
   Code code_;
   std::vector<Slot> slots_;                 // by value
   std::vector<std::vector<Slot>> results_;  // by If or Loop: slot of each result

@@ -91,6 +91,11 @@ class Builder {
   Value unpack_mask(Value bits) { return op(Op::kUnpackMask, Type::kB1, {bits}); }
   Value ballot(Value cond) { return op(Op::kBallot, Type::kI32, {cond}); }
   Value quad_swizzle(Value a, uint32_t pattern) { return op(Op::kQuadSwizzle, type(a), {a}, pattern); }
+  Value shuffle(Value a, Value index) { return op(Op::kShuffle, type(a), {a, index}); }
+  Value reduce(ReduceOp how, Scan scan, Value a, uint32_t log2_cluster = 4) {
+    return op(Op::kReduce, type(a), {a}, Inst::reduce_imm(how, scan, log2_cluster));
+  }
+  void barrier() { op(Op::kBarrier, Type::kVoid, {}); }
   Value ptr_add(Value base, Value offset) { return op(Op::kPtrAdd, Type::kPtr, {base, offset}); }
 
   // memory

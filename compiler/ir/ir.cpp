@@ -43,6 +43,13 @@ bool is_commutative(Op op) {
   }
 }
 
+Op combining_op(ReduceOp op) {
+  constexpr Op kCombining[] = {Op::kIAdd, Op::kIMul, Op::kSMin, Op::kSMax, Op::kUMin, Op::kUMax, Op::kAnd,
+                               Op::kOr,   Op::kXor,  Op::kFAdd, Op::kFMul, Op::kFMin, Op::kFMax};
+  static_assert(std::size(kCombining) == static_cast<size_t>(ReduceOp::kCount));
+  return op < ReduceOp::kCount ? kCombining[static_cast<size_t>(op)] : Op::kInvalid;
+}
+
 const char* type_name(Type t) {
   switch (t) {
     case Type::kVoid:

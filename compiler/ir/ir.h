@@ -16,6 +16,19 @@
 // unspecified and must not reach an effect; QuadSwizzle is the exception that reads them, and is legal only where all lanes
 // run.
 //
+// Subgroups. A wave is a subgroup. Ballot, Shuffle and Reduce look at the active lanes of the wave at this place, so no pass moves
+// them. Reduce first gives inactive lanes the operation's identity (-0.0 for FAdd, so that x op identity is x for every x but a
+// NaN; infinities for FMin and FMax), and then, in clusters of c lanes, c a power of two:
+//     reduce      for s = c/2, c/4 ... 1: x[l] = x[l] op x[l + s] for the lanes l with l mod 2s < s; all get the first lane's x
+//     inclusive   for s = 1, 2, 4 ... c/2: x[l] = x[l - s] op x[l] for the lanes l with l mod c >= s, all at once
+//     exclusive   x[l] = inclusive x[l - 1]; the first lane gets the identity (+0.0 for FAdd, as SPIR-V has it)
+// This order is part of the bit contract.
+//
+// Barriers. The waves of one primitive (compute: a workgroup) run one after the other, up to the next Barrier, in ascending order;
+// then all go on behind it. An If or Loop that holds a Barrier is run by the whole workgroup: its regions' parts between Barriers
+// run for each wave, under the wave's own mask, and a Loop ends when the last lane of the last wave leaves. So a Barrier that not
+// all invocations reach (undefined in SPIR-V) is as well defined as any other and cannot hang.
+//
 // Rates. passes/rates gives each instruction the slowest rate at which its value is constant: Draw, Prim, Wave or Lane
 // (base/abi.h shows the loops). passes/hoist moves pure Draw- and Prim-rate instructions into Kernel::draw and Kernel::prim.
 //
@@ -23,7 +36,8 @@
 // unsigned) the access is checked: it takes place only when offset + lane * lane_stride + size <= limit, computed without
 // wrapping; otherwise a load or atomic gives zero and a store does nothing. Accesses need no alignment, atomics their natural
 // one. Lanes act in ascending order: where stores or atomics of one instruction meet, the highest active lane comes last. B1 is
-// never in memory. lane_stride == size with a uniform offset is one contiguous vector access.
+// never in memory. lane_stride == size with a uniform offset is one contiguous vector access. With kWrap, offset + lane *
+// lane_stride is taken modulo 2^32 before it is added and checked (it is what 32-bit arithmetic per lane would have given).
 //
 // Numbers. IEEE binary32/64, round to nearest even, denormals kept. An operation that creates a NaN gives a NaN of unspecified
 // sign and payload; FCanon makes it one pattern, and is placed (by Builder) wherever bits become visible: Bitcast from a float,
@@ -68,6 +82,8 @@ enum class TypeRule : uint8_t {
   kSelect,
   kMaskToB1,
   kB1ToMask,
+  kShuffle,
+  kReduce,
   kPtrAdd,
   kVoid,
   kAtomic,
@@ -87,6 +103,11 @@ bool is_commutative(Op op);
 
 enum class AtomicOp : uint8_t { kAdd, kAnd, kOr, kXor, kSMin, kSMax, kUMin, kUMax, kExchange, kCompareExchange };
 
+// Reduce: what is combined, and how far.
+enum class ReduceOp : uint8_t { kIAdd, kIMul, kSMin, kSMax, kUMin, kUMax, kAnd, kOr, kXor, kFAdd, kFMul, kFMin, kFMax, kCount };
+enum class Scan : uint8_t { kReduce, kInclusive, kExclusive };
+Op combining_op(ReduceOp op);
+
 // Index of an instruction in Kernel::insts; also the name of its value. 0 is "none".
 struct Value {
   uint32_t id = 0;
@@ -101,6 +122,8 @@ inline constexpr uint8_t kInvariant = 1;   // Load: nothing writes this memory w
 inline constexpr uint8_t kSpeculate = 2;   // Load: the address is valid for every lane, active or not
 inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whatever the mask (tile buffers)
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
+inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another (atomic loads: another thread may write meanwhile)
+inline constexpr uint8_t kWrap = 32;       // Load, Store, Atomic: offset + lane * lane_stride wraps at 2^32
 
 inline constexpr uint32_t kMaxOperands = 5;
 inline constexpr uint32_t kMaxRegionDepth = 256;    // of nested Ifs and Loops: passes and back ends recurse over them
@@ -120,6 +143,13 @@ struct Inst {
   // Load, Store, Atomic: bytes between consecutive lanes, added to the address
   uint32_t lane_stride() const { return static_cast<uint32_t>(imm >> 32); }
   AtomicOp atomic_op() const { return static_cast<AtomicOp>(imm & 0xff); }
+  // Reduce
+  ReduceOp reduce_op() const { return static_cast<ReduceOp>(imm & 0xff); }
+  Scan scan() const { return static_cast<Scan>(imm >> 8 & 0xff); }
+  uint32_t cluster_lanes() const { return 1u << (imm >> 16 & 0xff); }
+  static uint64_t reduce_imm(ReduceOp op, Scan scan, uint32_t log2_cluster) {
+    return static_cast<uint64_t>(op) | static_cast<uint64_t>(scan) << 8 | static_cast<uint64_t>(log2_cluster) << 16;
+  }
 };
 
 struct Region {
@@ -132,6 +162,7 @@ struct Kernel {
   std::string name;
   KernelKind kind = KernelKind::kCompute;
   uint32_t wave_stride_bytes = 0;  // size of one wave record; its first word is the mask of active lanes
+  bool full_waves = false;         // every wave's mask is 0xFFFF
   std::vector<Inst> insts{1};      // [0] is unused
   std::vector<Region> regions{1};
   std::vector<std::vector<Value>> lists{1};

@@ -111,6 +111,7 @@ class Parser {
     uint64_t stride = 0;
     if (!accept("stride") || !parse_uint(next(), stride) || stride > UINT32_MAX) return void(fail("expected stride"));
     kernel_.wave_stride_bytes = static_cast<uint32_t>(stride);
+    kernel_.full_waves = accept("full_waves");
   }
 
   RegionId add_region() {

@@ -145,7 +145,7 @@ std::string instruction_text(const Kernel& kernel, const Names& names, Value v) 
 std::string print(const Kernel& kernel) {
   Printer printer(kernel);
   printer.line(0, std::string("kernel ") + kKindNames[static_cast<size_t>(kernel.kind)] + " \"" + kernel.name + "\" stride " +
-                      std::to_string(kernel.wave_stride_bytes));
+                      std::to_string(kernel.wave_stride_bytes) + (kernel.full_waves ? " full_waves" : ""));
   const std::pair<const char*, RegionId> roots[] = {{"draw:", kernel.draw}, {"prim:", kernel.prim}, {"wave:", kernel.wave}};
   for (const auto& [title, region] : roots) {
     if (region == 0) continue;

@@ -85,9 +85,6 @@ struct DrawBlock {
   uint32_t input_bytes;
   uint32_t words[9];
 };
-struct ThreadBlock {
-  uint8_t* output;
-};
 struct PrimBlock {
   uint32_t words[4];
 };
@@ -149,9 +146,9 @@ class Generator {
     keep(b_.lane());
     keep(b_.unpack_mask(b_.load(Type::kI32, wave, offsetof(WaveBlock, words) + 12, kUniform)));
     const Value index = b_.load(Type::kI32, wave, offsetof(WaveBlock, index), kUniform);
-    const Value output = b_.load(Type::kPtr, b_.thread_ptr(), offsetof(ThreadBlock, output), kUniform);
+    const Value output = b_.load(Type::kPtr, b_.thread_ptr(), offsetof(ThreadContext, color), kUniform);
     window_ = b_.ptr_add(output, b_.imul(index, b_.i32(kWindowBytes)));
-    scratch_ = b_.ptr_add(window_, b_.i64(kScratch));
+    scratch_ = b_.ptr_add(options_.barriers ? output : window_, b_.i64(kScratch));
     for (uint32_t i = 0; i < 3; ++i) {
       variables_.push_back(b_.variable(random_type()));
       arrays_.push_back(b_.local(i == 0 ? Type::kI32 : random_type(), 1 + random_.below(5)));
@@ -168,7 +165,8 @@ class Generator {
   // ---- statements ---------------------------------------------------------------------------------------------------------
 
   void statement() {
-    switch (random_.below(26)) {
+    if (options_.barriers && random_.one_in(8)) return b_.barrier();
+    switch (random_.below(28)) {
       case 0:
       case 1:
       case 2:
@@ -207,6 +205,12 @@ class Generator {
         return options_.atomics ? atomic() : keep(logic());
       case 23:
         return keep(b_.ballot(any(Type::kB1)));
+      case 25:
+        return keep(b_.shuffle(any(random_type()), random_.one_in(3)   ? random_constant(Type::kI32)
+                                                   : random_.one_in(3) ? b_.xor_(b_.lane(), b_.i32(random_.below(16)))
+                                                                       : any(Type::kI32)));
+      case 26:
+        return keep(reduction());
       case 24:
         return all_lanes_ && depth_ == 0 ? quad_swizzle() : keep(comparison());
       default:
@@ -294,6 +298,17 @@ class Generator {
     auto [a, c] = options_.other_widths ? random_.pick(kPairs) : kPairs[0];
     if (random_.one_in(2)) std::swap(a, c);
     return b_.bitcast(c, any(a));
+  }
+
+  Value reduction() {
+    const bool floats = random_.one_in(2);
+    const Type t = floats ? random_float() : random_.one_in(4) ? Type::kB1 : random_int();
+    constexpr ReduceOp kFloat[] = {ReduceOp::kFAdd, ReduceOp::kFMul, ReduceOp::kFMin, ReduceOp::kFMax};
+    constexpr ReduceOp kLogic[] = {ReduceOp::kAnd, ReduceOp::kOr, ReduceOp::kXor};
+    constexpr ReduceOp kInt[] = {ReduceOp::kIAdd, ReduceOp::kIMul, ReduceOp::kSMin, ReduceOp::kSMax, ReduceOp::kUMin,
+                                 ReduceOp::kUMax, ReduceOp::kAnd,  ReduceOp::kOr,   ReduceOp::kXor};
+    const ReduceOp op = floats ? random_.pick(kFloat) : t == Type::kB1 ? random_.pick(kLogic) : random_.pick(kInt);
+    return b_.reduce(op, static_cast<Scan>(random_.below(3)), any(t), random_.one_in(2) ? 4 : random_.below(5));
   }
 
   void quad_swizzle() {
@@ -452,7 +467,7 @@ class Generator {
 }  // namespace
 
 struct RandomKernel::Memory {
-  std::vector<uint8_t> input, initial, output;
+  std::vector<uint8_t> input, initial, output, frames;
   DrawBlock draw{};
   std::array<PrimBlock, 3> prims{};
   std::array<PrimRecord, 3> records{};
@@ -495,6 +510,8 @@ RandomKernel::RandomKernel(uint64_t seed, const RandomKernelOptions& options) : 
   kernel_.name = "random " + std::to_string(seed);
   kernel_.wave_stride_bytes = sizeof(WaveBlock);
   Generator(kernel_, random, options, all_lanes).run();
+  // Room for any frame: it may hold every value of three waves.
+  if (options.barriers) m.frames.resize(3 * (kernel_.insts.size() + 64) * 8 * kLanes + 64);
   if (const std::string fault = verify(kernel_); !fault.empty()) {
     fprintf(stderr, "random kernel %llu: %s\n", static_cast<unsigned long long>(seed), fault.c_str());
     abort();  // the generator is wrong, so every test that uses it is
@@ -506,7 +523,9 @@ RandomKernel::~RandomKernel() = default;
 std::vector<uint8_t> RandomKernel::run(const Run& run) {
   Memory& m = *memory_;
   m.output = m.initial;
-  ThreadBlock thread{m.output.data()};
+  ThreadContext thread{};
+  thread.color[0] = m.output.data();
+  thread.wave_frames = reinterpret_cast<uint8_t*>((reinterpret_cast<uintptr_t>(m.frames.data()) + 63) & ~uintptr_t{63});
   run(&m.draw, &thread, m.records.data(), static_cast<uint32_t>(m.records.size()), m.waves.data());
   return m.output;
 }

@@ -496,4 +496,36 @@ uint64_t const_imm(Type type, uint64_t raw, Floats floats) {
   return std::isnan(v) ? Double::kCanonicalNan : Double::put(v);
 }
 
+uint64_t reduce_identity(ReduceOp op, Type type, bool first_of_exclusive) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const uint64_t ones = type == Type::kB1 ? 1 : ~0ull >> (64 - 8 * size_bytes(type));
+  switch (op) {
+    case ReduceOp::kIAdd:
+    case ReduceOp::kUMax:
+    case ReduceOp::kOr:
+    case ReduceOp::kXor:
+      return 0;
+    case ReduceOp::kIMul:
+      return 1;
+    case ReduceOp::kUMin:
+    case ReduceOp::kAnd:
+      return ones;
+    case ReduceOp::kSMin:
+      return ones >> 1;
+    case ReduceOp::kSMax:
+      return ones ^ ones >> 1;
+    case ReduceOp::kFAdd:
+      return std::bit_cast<uint64_t>(first_of_exclusive ? 0.0 : -0.0);
+    case ReduceOp::kFMul:
+      return std::bit_cast<uint64_t>(1.0);
+    case ReduceOp::kFMin:
+      return std::bit_cast<uint64_t>(kInfinity);
+    case ReduceOp::kFMax:
+      return std::bit_cast<uint64_t>(-kInfinity);
+    case ReduceOp::kCount:
+      break;
+  }
+  return 0;
+}
+
 }  // namespace pineda::ir

@@ -28,6 +28,9 @@ LaneFn lane_fn(Op op, Type result, Type operand, Floats floats);
 uint64_t const_raw(Type type, uint64_t imm, Floats floats);
 uint64_t const_imm(Type type, uint64_t raw, Floats floats);
 
+// imm of the Const that Reduce gives to inactive lanes, and to the first lane of an exclusive scan.
+uint64_t reduce_identity(ReduceOp op, Type type, bool first_of_exclusive);
+
 // Raw bits <-> the bits that memory holds. NaN payloads survive both ways.
 uint64_t memory_raw(Type type, uint64_t bits, Floats floats);
 uint64_t raw_memory(Type type, uint64_t raw, Floats floats);

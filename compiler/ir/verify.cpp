@@ -53,6 +53,10 @@ class TypeCheck {
         return arg(0) == Type::kI32 && type_ == Type::kB1 ? nullptr : "must be i32 -> b1";
       case TypeRule::kB1ToMask:
         return arg(0) == Type::kB1 && type_ == Type::kI32 ? nullptr : "must be b1 -> i32";
+      case TypeRule::kShuffle:
+        return arg(0) == type_ && type_ != Type::kVoid && arg(1) == Type::kI32 ? nullptr : "must be T, i32 -> T";
+      case TypeRule::kReduce:
+        return reduce();
       case TypeRule::kPtrAdd:
         return arg(0) == Type::kPtr && (arg(1) == Type::kI32 || arg(1) == Type::kI64) && type_ == Type::kPtr
                    ? nullptr
@@ -102,6 +106,14 @@ class TypeCheck {
     }
     if (op >= Op::kFSin && op <= Op::kFPow) return type_ == Type::kF32 ? nullptr : "needs f32";
     return is_float(type_) ? nullptr : "needs floats";
+  }
+
+  const char* reduce() const {
+    if (arg(0) != type_) return "operands must have the result's type";
+    const ReduceOp op = inst_.reduce_op();
+    if (op >= ReduceOp::kFAdd) return is_float(type_) ? nullptr : "needs floats";
+    const bool logic = op == ReduceOp::kAnd || op == ReduceOp::kOr || op == ReduceOp::kXor;
+    return is_int(type_) || (logic && type_ == Type::kB1) ? nullptr : "needs integers";
   }
 
   const char* compare() const {
@@ -274,8 +286,9 @@ class Verifier {
 
   static const char* flags_and_imm(const Inst& inst) {
     uint8_t allowed = 0;
-    if (inst.op == Op::kLoad) allowed = kInvariant | kSpeculate;
-    if (inst.op == Op::kStore) allowed = kAllLanes;
+    if (inst.op == Op::kLoad) allowed = kInvariant | kSpeculate | kVolatile | kWrap;
+    if (inst.op == Op::kStore) allowed = kAllLanes | kWrap;
+    if (inst.op == Op::kAtomic) allowed = kWrap;
     if (inst.op == Op::kFAdd || inst.op == Op::kFSub || inst.op == Op::kFMul) allowed = kNoContract;
     if (inst.flags & ~allowed) return "has a flag that it cannot have";
     if (!has_regions(inst.op) && (inst.region[0] != 0 || inst.region[1] != 0)) return "has a region";
@@ -285,6 +298,10 @@ class Verifier {
         return nullptr;
       case Op::kQuadSwizzle:
         return inst.imm < 256 ? nullptr : "pattern is out of range";
+      case Op::kReduce:
+        return inst.reduce_op() < ReduceOp::kCount && inst.scan() <= Scan::kExclusive && inst.imm >> 16 <= 4
+                   ? nullptr
+                   : "imm is out of range";
       case Op::kLocal:
         return inst.imm > 0 && inst.imm <= kMaxLocalTotalBytes ? nullptr : "count is out of range";
       case Op::kCall:

@@ -12,7 +12,8 @@ constexpr bool has_regions(Op op) { return op == Op::kIf || op == Op::kLoop; }
 constexpr bool has_list(Op op) { return op == Op::kLoop || op == Op::kYield; }
 // Ops whose Inst::imm is a small number of their own: count, pattern or index.
 constexpr bool has_index_imm(Op op) {
-  return op == Op::kLocal || op == Op::kQuadSwizzle || op == Op::kLoopArg || op == Op::kResult || op == Op::kCall;
+  return op == Op::kLocal || op == Op::kQuadSwizzle || op == Op::kReduce || op == Op::kLoopArg || op == Op::kResult ||
+         op == Op::kCall;
 }
 
 // Index in Inst::operand of the optional limit.
@@ -49,6 +50,27 @@ void for_each_inst(const Kernel& kernel, RegionId region, Fn&& fn) {
     const Inst& inst = kernel.at(v);
     for (uint32_t r = 0; r < region_count(inst.op); ++r) for_each_inst(kernel, inst.region[r], fn);
   }
+}
+
+// By region: whether a Barrier stands in it or in a region inside of it.
+inline std::vector<bool> regions_with_barriers(const Kernel& kernel) {
+  std::vector<bool> out(kernel.regions.size());
+  const auto visit = [&](auto&& self, RegionId region) -> bool {
+    bool found = false;
+    for (Value v : kernel.regions[region].insts) {
+      const Inst& inst = kernel.at(v);
+      found |= inst.op == Op::kBarrier;
+      for (uint32_t r = 0; r < region_count(inst.op); ++r) found |= self(self, inst.region[r]);
+    }
+    return out[region] = found;
+  };
+  if (kernel.wave != 0) visit(visit, kernel.wave);
+  return out;
+}
+
+// Whether a whole workgroup runs this instruction together: an If or Loop that holds a Barrier.
+inline bool is_group_construct(const Inst& inst, const std::vector<bool>& with_barriers) {
+  return has_regions(inst.op) && (with_barriers[inst.region[0]] || (inst.op == Op::kIf && with_barriers[inst.region[1]]));
 }
 
 }  // namespace pineda::ir

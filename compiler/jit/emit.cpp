@@ -42,7 +42,9 @@ Emitter::Emitter(llvm::Module& module, const ir::Kernel& kernel, Isa isa)
       features_(features_of(isa)),
       b_(context_),
       value_(kernel.insts.size()),
-      splat_(kernel.insts.size()) {
+      splat_(kernel.insts.size()),
+      with_barriers_(ir::regions_with_barriers(kernel)),
+      frame_(ir::wave_frame(kernel)) {
   for (ir::RegionId root : {kernel.draw, kernel.prim, kernel.wave}) {
     if (root == 0) continue;
     ir::for_each_inst(kernel, root, [&](ir::Value v) {
@@ -93,7 +95,11 @@ void Emitter::emit_prim_loop() {
                           b_.CreateMul(b_.CreateZExt(index, b_.getInt64Ty()), b_.getInt64(sizeof(PrimRecord))));
   prim_ptr_ = load_field(record, offsetof(PrimRecord, prim), b_.getInt64Ty());
   if (kernel_.prim != 0) emit_insts(kernel_.prim);
-  emit_wave_loop(record);
+  if (has_barriers()) {
+    emit_group(record);
+  } else {
+    emit_wave_loop(record);
+  }
   V next = b_.CreateAdd(index, b_.getInt32(1));
   index->addIncoming(next, b_.GetInsertBlock());
   b_.CreateCondBr(b_.CreateICmpEQ(next, count), done, body);
@@ -125,11 +131,11 @@ void Emitter::emit_wave_loop(V prim_record) {
   start(done);
 }
 
-// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), which is
-// worth knowing: their stores and loads need no mask at the top level.
+// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), as do those of
+// most compute shaders, which is worth knowing: their stores and loads need no mask at the top level.
 void Emitter::emit_wave(llvm::BasicBlock* skip) {
   exec_ = {};
-  if (kernel_.kind != ir::KernelKind::kFragment) {
+  if (kernel_.kind != ir::KernelKind::kFragment && !kernel_.full_waves) {
     V bits = b_.CreateTrunc(load_at(b_.getInt32Ty(), wave_ptr_, false), b_.getInt16Ty());
     llvm::BasicBlock* run = block("run");
     b_.CreateCondBr(b_.CreateICmpEQ(bits, b_.getInt16(0)), skip, run);
@@ -197,6 +203,12 @@ Emitter::V Emitter::emit(const ir::Inst& inst, ir::Value id) {
       return emit_unpack_mask(inst);
     case Op::kBallot:
       return emit_ballot(inst);
+    case Op::kShuffle:
+      return emit_shuffle(inst);
+    case Op::kReduce:
+      return emit_reduce(inst);
+    case Op::kBarrier:
+      return nullptr;  // emit_group_region splits the code there
     case Op::kQuadSwizzle:
       return emit_quad_swizzle(inst);
     case Op::kSelect:

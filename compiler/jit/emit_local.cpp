@@ -1,4 +1,4 @@
-// Locals: per-lane arrays on the stack, [count x <16 x T>], so that an element with a uniform index is one vector. Those of one
+// Locals: per-lane arrays on the stack (in a kernel with barriers: in the wave's frame), [count x <16 x T>], so that an element with a uniform index is one vector. Those of one
 // element, or indexed by constants only, become registers by LLVM's SROA.
 #include "compiler/ir/walk.h"
 #include "compiler/jit/emitter.h"
@@ -26,6 +26,7 @@ Emitter::V Emitter::from_local(V value, Type t) {
 }
 
 void Emitter::create_locals() {
+  if (has_barriers()) return;  // then they are in the waves' frames
   llvm::IRBuilderBase::InsertPointGuard guard(b_);
   b_.SetInsertPoint(entry_->getTerminator());
   uint64_t total_bytes = 0;
@@ -47,8 +48,8 @@ void Emitter::create_locals() {
 
 // A loop, not memset: kernels call no library. (No pass of our list would turn it into one.)
 void Emitter::clear_local(ir::Value local) {
-  llvm::AllocaInst* slot = local_slot_[local.id];
-  llvm::Type* row = llvm::cast<llvm::ArrayType>(slot->getAllocatedType())->getElementType();
+  V slot = local_slot_[local.id];
+  llvm::Type* row = lane_type(local_element(kernel_.at(local).type));
   const uint64_t count = kernel_.at(local).imm;
   constexpr uint64_t kUnrolled = 16;
   V zero = llvm::Constant::getNullValue(row);
@@ -70,7 +71,7 @@ void Emitter::clear_local(ir::Value local) {
 
 Emitter::LocalElement Emitter::local_element_at(const ir::Inst& inst) {
   const ir::Inst& local = kernel_.at(inst.operand[0]);
-  llvm::AllocaInst* slot = local_slot_[inst.operand[0].id];
+  V slot = local_slot_[inst.operand[0].id];
   LocalElement e{.type = local.type, .row = lane_type(local_element(local.type)), .in_range = nullptr, .address = nullptr};
   const ir::Value index = inst.operand[1];
   const ir::Inst& index_inst = kernel_.at(index);

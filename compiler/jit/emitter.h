@@ -16,11 +16,13 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "compiler/ir/ir.h"
+#include "compiler/ir/wave_frame.h"
 #include "compiler/jit/jit.h"
 #include "compiler/jit/llvm_ir.h"
 
@@ -139,6 +141,15 @@ class Emitter {
   V emit_ballot(const ir::Inst& inst);
   V emit_quad_swizzle(const ir::Inst& inst);
 
+  // ---- emit_subgroup.cpp
+  V emit_shuffle(const ir::Inst& inst);
+  V emit_reduce(const ir::Inst& inst);
+  V combine(ir::ReduceOp op, ir::Type type, V a, V b);
+  V permute(V x, const std::vector<int>& from);
+  V permute(V x, V index);
+  V permute_words(V x, V index);
+  V only_active(V x, ir::Type type, uint64_t identity_imm);
+
   // ---- emit_int.cpp
   V emit_int(const ir::Inst& inst);
   V emit_bit_count(const ir::Inst& inst, V a);
@@ -230,6 +241,26 @@ class Emitter {
   V to_local(V value, ir::Type t);
   V from_local(V value, ir::Type t);
 
+  // ---- emit_group.cpp: kernels with barriers
+  struct GroupTail;
+  void emit_group(V prim_record);
+  void emit_group_region(ir::RegionId region, std::optional<uint32_t> mask_offset, const GroupTail* tail);
+  void emit_phase(const std::vector<ir::Value>& insts, std::optional<uint32_t> mask_offset, const GroupTail* tail);
+  void emit_in_phase(ir::Value v, const GroupTail* tail);
+  void load_kept(const std::vector<ir::Value>& insts);
+  V load_from_frame(ir::Value v);
+  void store_to_frame(ir::Value v, V value, V where);
+  V frame_address(uint32_t offset_bytes);
+  void enter_construct(ir::Value v);
+  void leave_side(const GroupTail& tail);
+  void leave_turn(const GroupTail& tail);
+  void emit_group_if(ir::Value v, std::optional<uint32_t> mask_offset);
+  void emit_group_loop(ir::Value v, std::optional<uint32_t> mask_offset);
+  void store_mask(uint32_t offset_bytes, V bits16);
+  void add_to_flag(V flag, V bits16);
+  bool is_kept(ir::Value v) const { return frame_.offset[v.id] != ir::WaveFrame::kNone; }
+  bool has_barriers() const { return frame_.bytes != 0; }
+
   // ---- emit_control.cpp
   void emit_if(const ir::Inst& inst, ir::Value id);
   void emit_uniform_if(const ir::Inst& inst, ir::Value id);
@@ -263,10 +294,15 @@ class Emitter {
   std::vector<V> value_;                                          // by instruction
   std::vector<V> splat_;                                          // its broadcast, when one was needed
   std::unordered_map<uint32_t, std::vector<ir::Value>> results_;  // If or Loop -> its Results
-  std::unordered_map<uint32_t, llvm::AllocaInst*> local_slot_;
+  std::unordered_map<uint32_t, V> local_slot_;                    // ptr: on the stack, or in the wave's frame
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;
   uint32_t insts_since_split_ = 0;
   Exec exec_;
+  const std::vector<bool> with_barriers_;  // by region
+  const ir::WaveFrame frame_;
+  V group_frames_ = nullptr, group_waves_ = nullptr, group_count_ = nullptr;  // i64: of the workgroup at hand
+  V frame_ptr_ = nullptr;                                                     // i64: of the wave at hand
+  std::unordered_map<uint32_t, V> any_lane_;  // If or Loop that varies: ptr to i16[2], whether a lane wants a side or a turn
   V draw_ptr_ = nullptr, thread_ptr_ = nullptr, prim_ptr_ = nullptr, wave_ptr_ = nullptr;  // i64
   llvm::Function* fma_function_ = nullptr;
   llvm::GlobalVariable* zeros_ = nullptr;

@@ -48,5 +48,16 @@ TEST(JitRandom, OptimizedWithTranscendentals) {
   }
 }
 
+// Barriers at any depth, also where lanes and waves disagree.
+TEST(JitRandom, Barriers) {
+  for (uint64_t seed = 9000; seed < 9000 + seed_count() && !HasFatalFailure(); ++seed) {
+    ir::RandomKernel random(seed, {.statements = 30, .barriers = true});
+    ir::Kernel kernel = random.kernel();
+    check_seed(seed, kernel, random);
+    passes::optimize(kernel, passes::Form::kMachine);
+    check_seed(seed, kernel, random);
+  }
+}
+
 }  // namespace
 }  // namespace pineda::jit::test

@@ -15,11 +15,12 @@ class ComputeStage final : public Stage {
  public:
   ComputeStage(Builder& b, const compiler::ComputeSource& source, const std::array<uint32_t, 3>& local_size)
       : Stage(*source.layout, source.textures), local_size_(local_size) {
-    const Value first = b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed);
-    local_index_ = b.iadd(first, b.lane());
+    first_ = b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed);
+    local_index_ = b.iadd(first_, b.lane());
   }
 
   Value input(Builder& b, const spirv::InterfaceScalar& in) override {
+    if (const Value common = common_input(b, in)) return common;
     if (!in.built_in || in.component > 2) return {};
     const uint32_t axis = in.component;
     switch (*in.built_in) {
@@ -33,6 +34,10 @@ class ComputeStage final : public Stage {
         return load_draw(b, Type::kI32, offsetof(DrawContext, workgroup_count) + 4 * axis);
       case BuiltIn::kGlobalInvocationId:
         return b.iadd(b.imul(workgroup_id(b, axis), b.i32(local_size_[axis])), local_id(b, axis));
+      case BuiltIn::kSubgroupId:
+        return b.lshr(first_, b.i32(4));
+      case BuiltIn::kNumSubgroups:
+        return b.i32((local_size_[0] * local_size_[1] * local_size_[2] + kLanes - 1) / kLanes);
       default:
         return {};
     }
@@ -49,6 +54,8 @@ class ComputeStage final : public Stage {
     return b.load(Type::kI32, b.prim_ptr(), static_cast<uint32_t>(offsetof(WorkgroupRecord, id) + 4 * axis), kFixed);
   }
 
+  // first_invocation is a multiple of 16. Where waves are rows of the workgroup, or whole rows fill waves, each axis is the sum of a
+  // uniform value and a constant vector, which makes y and z of a wide workgroup scalars, and addresses contiguous.
   static bool is_power_of_two(uint32_t x) { return (x & (x - 1)) == 0; }
 
   static Value divide(Builder& b, Value x, uint32_t y) {
@@ -62,6 +69,15 @@ class ComputeStage final : public Stage {
   // local_index = x + size.x * (y + size.y * z); axes of extent one cost nothing.
   Value local_id(Builder& b, uint32_t axis) const {
     if (local_size_[axis] == 1) return b.i32(0);
+    const uint32_t size_x = local_size_[0], size_y = local_size_[1], size_z = local_size_[2];
+    const bool wide = size_x % kLanes == 0, narrow = kLanes % size_x == 0 && size_x * size_y % kLanes == 0;
+    if (wide || narrow) {
+      if (axis == 0) return wide ? b.iadd(remainder(b, first_, size_x), b.lane()) : remainder(b, b.lane(), size_x);
+      const Value row = divide(b, first_, size_x);
+      if (axis == 2) return divide(b, row, size_y);
+      const Value y = size_z == 1 ? row : remainder(b, row, size_y);
+      return wide ? y : b.iadd(y, divide(b, b.lane(), size_x));
+    }
     uint32_t below = 1, above = 1;
     for (uint32_t a = 0; a < axis; ++a) below *= local_size_[a];
     for (uint32_t a = axis + 1; a < 3; ++a) above *= local_size_[a];
@@ -70,7 +86,7 @@ class ComputeStage final : public Stage {
   }
 
   const std::array<uint32_t, 3> local_size_;
-  Value local_index_;
+  Value first_, local_index_;
 };
 
 }  // namespace
@@ -80,6 +96,8 @@ Result<ir::Kernel> build_compute(const compiler::ComputeSource& source, const Sh
     if (extent == 0) return compile_error("The workgroup size has an extent of zero.");
   }
   ir::Kernel kernel{.name = source.name + ".compute", .kind = ir::KernelKind::kCompute, .wave_stride_bytes = sizeof(ComputeWave)};
+  const auto& size = shader.info.local_size;
+  kernel.full_waves = uint64_t{size[0]} * size[1] * size[2] % kLanes == 0;
   Builder b(kernel);
   ComputeStage stage(b, source, shader.info.local_size);
   const Result<spirv::Translation> done = shader.body(b, stage);

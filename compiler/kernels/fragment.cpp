@@ -25,6 +25,7 @@ class FragmentStage final : public Stage {
       : Stage(*source.layout, source.textures), position_(position), covered_(covered) {}
 
   Value input(Builder& b, const spirv::InterfaceScalar& in) override {
+    if (const Value common = common_input(b, in)) return common;
     if (in.built_in) return built_in(b, in);
     if (ir::size_bytes(in.type) != 4 || in.component > 3) return {};
     return position_.varying(b, provisional_slot(in.location, in.component), in);

@@ -124,6 +124,37 @@ const compiler::TextureState* Stage::known_state(const spirv::ImageRef& image, c
   return any != textures_.end() ? &any->state : nullptr;
 }
 
+Value Stage::common_input(Builder& b, const spirv::InterfaceScalar& in) {
+  using spirv::BuiltIn;
+  if (!in.built_in || in.component > 3) return {};
+  const auto ones = [&](uint32_t bits) { return b.shl(b.i32(bits), b.lane()); };  // from this lane on
+  Value mask;
+  switch (*in.built_in) {
+    case BuiltIn::kSubgroupSize:
+      return b.i32(kLanes);
+    case BuiltIn::kSubgroupLocalInvocationId:
+      return b.lane();
+    case BuiltIn::kSubgroupEqMask:
+      mask = ones(1);
+      break;
+    case BuiltIn::kSubgroupGeMask:
+      mask = ones(~0u);
+      break;
+    case BuiltIn::kSubgroupGtMask:
+      mask = ones(~1u);
+      break;
+    case BuiltIn::kSubgroupLeMask:
+      mask = b.not_(ones(~1u));
+      break;
+    case BuiltIn::kSubgroupLtMask:
+      mask = b.not_(ones(~0u));
+      break;
+    default:
+      return {};
+  }
+  return in.component == 0 ? b.and_(mask, b.i32((1u << kLanes) - 1)) : b.i32(0);  // bits of 16 lanes only
+}
+
 std::optional<std::array<Value, 4>> Stage::sample(Builder& b, const spirv::SampleRequest& request) {
   const bool fetch = request.lod_mode == spirv::LodMode::kFetch;
   const Value image = image_descriptor(b, request.image);

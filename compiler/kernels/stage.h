@@ -39,6 +39,8 @@ class Stage : public spirv::StageInterface {
   // Address of the sampler words that go with an image.
   ir::Value sampler_words(ir::Builder& b, const spirv::ImageRef& image, const spirv::ImageRef& sampler,
                           ir::Value image_descriptor);
+  // Built-in inputs that every stage has: subgroups.
+  static ir::Value common_input(ir::Builder& b, const spirv::InterfaceScalar& in);
   std::nullopt_t refuse(std::string why) {
     refusal_ = std::move(why);
     return std::nullopt;

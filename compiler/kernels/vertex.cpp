@@ -24,6 +24,7 @@ class VertexStage final : public Stage {
   }
 
   Value input(Builder& b, const spirv::InterfaceScalar& in) override {
+    if (const Value common = common_input(b, in)) return common;
     if (in.built_in) return built_in(b, *in.built_in);
     if (in.component > 3) return {};
     const Result<Channels> value = fetch_attribute(b, state_, in.location, vertex_index_, instance_index_);

@@ -54,11 +54,13 @@ class Eliminator {
     bool memory = false, locals = false;
   };
 
+  static bool writes_memory(const Inst& inst) { return writes(inst) && inst.op != Op::kLocalStore; }
+
   Writes find_writes(RegionId id) {
     Writes out;
     for (Value v : kernel_.regions[id].insts) {
       const Inst& inst = kernel_.at(v);
-      out.memory |= inst.op == Op::kStore || inst.op == Op::kAtomic || inst.op == Op::kCall;
+      out.memory |= writes_memory(inst);
       out.locals |= inst.op == Op::kLocalStore;
       for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
         const Writes inner = find_writes(inst.region[r]);
@@ -91,7 +93,7 @@ class Eliminator {
   void after(Value v) {
     const Inst& inst = kernel_.at(v);
     if (inst.op == Op::kLocalStore) local_version_[inst.operand[0].id] = ++next_version_;
-    if (inst.op == Op::kStore || inst.op == Op::kAtomic || inst.op == Op::kCall) memory_version_ = ++next_version_;
+    if (writes_memory(inst)) memory_version_ = ++next_version_;
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
       const RegionId inner = inst.region[r];
       if (inst.op == Op::kLoop) renew(writes_[inner]);  // the body may see what an earlier iteration wrote
@@ -121,6 +123,7 @@ class Eliminator {
       case Op::kResult:
         return false;
       case Op::kLoad:
+        if (inst.flags & ir::kVolatile) return false;
         if (!(inst.flags & ir::kInvariant)) key.version = memory_version_;
         break;
       case Op::kLocalLoad:

@@ -2,6 +2,7 @@
 // speaks of active lanes only, so a uniform value inside a divergent If is uniform; what leaves the If by way of a Result is not.
 #include <algorithm>
 
+#include "base/abi.h"
 #include "compiler/passes/passes.h"
 #include "compiler/passes/rewrite.h"
 
@@ -16,7 +17,7 @@ using ir::Value;
 
 class Rater {
  public:
-  explicit Rater(ir::Kernel& kernel) : kernel_(kernel) {
+  explicit Rater(ir::Kernel& kernel) : kernel_(kernel), with_barriers_(ir::regions_with_barriers(kernel)) {
     for (Inst& inst : kernel.insts) inst.rate = Rate::kDraw;
   }
 
@@ -41,6 +42,9 @@ class Rater {
     }
   }
 
+  // A construct that holds a barrier is run by the workgroup, so what it carries may be the primitive's.
+  Rate construct(const Inst& inst) const { return ir::is_group_construct(inst, with_barriers_) ? Rate::kPrim : Rate::kWave; }
+
   Rate of_operands(const Inst& inst) const {
     Rate out = Rate::kDraw;
     for (Value operand : inst.operand) {
@@ -63,10 +67,14 @@ class Rater {
       case Op::kLoad:
         if (inst.lane_stride() != 0) return Rate::kLane;
         return std::max(of_operands(inst), inst.flags & ir::kInvariant ? Rate::kDraw : Rate::kWave);
+      case Op::kShuffle:
+        return std::max(Rate::kWave, rate(inst.operand[1]));  // one lane's value: the operand's rate does not matter
+      case Op::kReduce:
+        return inst.scan() == ir::Scan::kReduce && inst.cluster_lanes() == kLanes ? Rate::kWave : Rate::kLane;
       case Op::kIf:
-        return std::max(Rate::kWave, rate(inst.operand[0]));
+        return std::max(construct(inst), rate(inst.operand[0]));
       case Op::kLoop:
-        return std::max(Rate::kWave, rate(ir::yielded(kernel_, inst.region[0])[0]));
+        return std::max(construct(inst), rate(ir::yielded(kernel_, inst.region[0])[0]));
       case Op::kResult:
         return result(inst);
       case Op::kLoopArg:
@@ -98,7 +106,7 @@ class Rater {
 
   // In the body only lanes that go on are active, and all of them have made the same number of turns.
   Rate carried(const Inst& loop, uint64_t k) const {
-    return std::max({Rate::kWave, rate(kernel_.lists[loop.list][k]), rate(ir::yielded(kernel_, loop.region[0])[k + 1])});
+    return std::max({construct(loop), rate(kernel_.lists[loop.list][k]), rate(ir::yielded(kernel_, loop.region[0])[k + 1])});
   }
 
   bool loop_args_must_rise(const Inst& loop) const {
@@ -110,6 +118,7 @@ class Rater {
   }
 
   ir::Kernel& kernel_;
+  const std::vector<bool> with_barriers_;  // by region
   bool changed_ = false;
 };
 

@@ -41,7 +41,9 @@ inline ir::Value add_inst(ir::Kernel& kernel, const ir::Inst& inst) {
 // Const whose raw zero bits are zero for every type.
 inline ir::Value add_zero(ir::Kernel& kernel, ir::Type type) { return add_inst(kernel, {.op = ir::Op::kConst, .type = type}); }
 
-inline bool writes(const ir::Inst& inst) { return ir::op_info(inst.op).effect == ir::Effect::kWrite; }
+inline bool writes(const ir::Inst& inst) {
+  return ir::op_info(inst.op).effect == ir::Effect::kWrite || inst.op == ir::Op::kBarrier;  // other waves write before a barrier
+}
 
 // Renumbers everything in program order and drops what no region holds.
 void compact(ir::Kernel& kernel);

@@ -43,7 +43,7 @@ void compare_exchange(Translator& t, const Instruction& inst) {
 
 void atomic_load(Translator& t, const Instruction& inst) {
   const Pointer p = atomic_pointer(t, inst, 3);
-  t.define(inst, Values{t.b.load(ir::Type::kI32, t.address(inst, p))});
+  t.define(inst, Values{t.b.load(ir::Type::kI32, t.address(inst, p), ir::kVolatile)});
 }
 
 void atomic_store(Translator& t, const Instruction& inst) {

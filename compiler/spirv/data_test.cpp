@@ -219,12 +219,6 @@ TEST(SpirvData, AtomicsAndSharedMemory) {
   for (uint32_t i = 0; i < std::size(want); ++i) EXPECT_EQ(out[16 + i], want[i]) << "d[" << 16 + i << "]";
 }
 
-TEST(SpirvData, BarriersNeedOneWave) {
-  const Words words = glsl(VK_SHADER_STAGE_COMPUTE_BIT, "layout(local_size_x = 17) in; void main() { barrier(); }");
-  FakeStage stage;
-  EXPECT_NE(run(stage, VK_SHADER_STAGE_COMPUTE_BIT, words).find("OpControlBarrier"), std::string::npos);
-}
-
 // ---- specialization ----
 
 SpecializationConstant spec(uint32_t id, uint32_t value) {

@@ -45,6 +45,15 @@ constexpr BuiltInRow kBuiltIns[] = {
     {spv::BuiltInGlobalInvocationId, BuiltIn::kGlobalInvocationId, ir::Type::kI32, 3},
     {spv::BuiltInLocalInvocationIndex, BuiltIn::kLocalInvocationIndex, ir::Type::kI32, 1},
     {spv::BuiltInViewIndex, BuiltIn::kViewIndex, ir::Type::kI32, 1},
+    {spv::BuiltInSubgroupSize, BuiltIn::kSubgroupSize, ir::Type::kI32, 1},
+    {spv::BuiltInSubgroupLocalInvocationId, BuiltIn::kSubgroupLocalInvocationId, ir::Type::kI32, 1},
+    {spv::BuiltInSubgroupId, BuiltIn::kSubgroupId, ir::Type::kI32, 1},
+    {spv::BuiltInNumSubgroups, BuiltIn::kNumSubgroups, ir::Type::kI32, 1},
+    {spv::BuiltInSubgroupEqMask, BuiltIn::kSubgroupEqMask, ir::Type::kI32, 4},
+    {spv::BuiltInSubgroupGeMask, BuiltIn::kSubgroupGeMask, ir::Type::kI32, 4},
+    {spv::BuiltInSubgroupGtMask, BuiltIn::kSubgroupGtMask, ir::Type::kI32, 4},
+    {spv::BuiltInSubgroupLeMask, BuiltIn::kSubgroupLeMask, ir::Type::kI32, 4},
+    {spv::BuiltInSubgroupLtMask, BuiltIn::kSubgroupLtMask, ir::Type::kI32, 4},
 };
 
 // What is inherited on the way from the variable to a scalar.

@@ -117,6 +117,7 @@ struct Table {
     add(atomic_rows());
     add(image_rows());
     add(image_query_rows());
+    add(subgroup_rows());
     add(other_rows());
   }
 };

@@ -26,6 +26,7 @@ std::span<const OpRow> dot_product_rows();
 std::span<const OpRow> atomic_rows();
 std::span<const OpRow> image_rows();
 std::span<const OpRow> image_query_rows();
+std::span<const OpRow> subgroup_rows();
 std::span<const OpRow> other_rows();  // calls, extended instructions, derivatives, barriers, discards
 
 const OpRow* find_op(spv::Op op);

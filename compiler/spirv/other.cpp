@@ -48,14 +48,16 @@ void width(Translator& t, const Instruction& inst) {
 
 // ---- barriers ----
 
-// A workgroup of one wave runs in lockstep: every lane has done what stands before the barrier.
+// A workgroup of one wave runs in lockstep: every lane has done what stands before the barrier. The same holds for a barrier whose
+// execution scope is the subgroup.
 void control_barrier(Translator& t, const Instruction& inst) {
   t.found().uses_barriers = true;
+  if (t.m.stage != VK_SHADER_STAGE_COMPUTE_BIT) return;
+  const uint32_t scope = t.m.constant_u32(inst, inst.word(1));
+  if (scope == spv::ScopeSubgroup || scope == spv::ScopeInvocation) return;
   uint64_t invocations = 1;
   for (uint32_t size : t.m.info.local_size) invocations *= size;
-  if (t.m.stage == VK_SHADER_STAGE_COMPUTE_BIT && invocations > kLanes) {
-    inst.fail("barriers in workgroups of more than 16 invocations are not supported yet");
-  }
+  if (invocations > kLanes) t.b.barrier();
 }
 
 // Our loads, stores and atomics are never reordered, and the targets keep their order (x86's total store order).

@@ -56,6 +56,15 @@ enum class BuiltIn : uint8_t {
   kGlobalInvocationId,
   kLocalInvocationIndex,
   kViewIndex,
+  kSubgroupSize,
+  kSubgroupLocalInvocationId,
+  kSubgroupId,
+  kNumSubgroups,
+  kSubgroupEqMask,
+  kSubgroupGeMask,
+  kSubgroupGtMask,
+  kSubgroupLeMask,
+  kSubgroupLtMask,
   kClipDistance,
   kCullDistance
 };

@@ -200,8 +200,12 @@ void declare_variable(Module& m, const Instruction& inst) {
     case spv::StorageClassStorageBuffer:
     case spv::StorageClassPushConstant:
     case spv::StorageClassUniformConstant:
-    case spv::StorageClassWorkgroup:
       if (initializer != 0) inst.fail("a variable of this storage class cannot have an initializer here");
+      break;
+    case spv::StorageClassWorkgroup:  // always starts at zero
+      if (initializer != 0 && m.instructions[m.definition[initializer] - 1].op() != spv::OpConstantNull) {
+        inst.fail("a Workgroup variable's initializer must be OpConstantNull");
+      }
       break;
     default:
       inst.fail("storage class " + std::to_string(storage) + " is not supported");
