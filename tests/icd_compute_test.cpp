@@ -95,6 +95,35 @@ TEST(IcdCompute, DynamicOffsetAndIndirect) {
   EXPECT_EQ(f.out.as<uint32_t>()[96], 0u);
 }
 
+// Workgroups as large as the limits say: 1024 invocations (from a specialisation constant) and 64 KiB of shared memory, barriers in
+// loops. Sums of k * 7 + g over the 16384 words.
+TEST(IcdCompute, LargestWorkgroups) {
+  PipelineClient client;
+  VkPhysicalDeviceProperties properties;
+  VK(client, GetPhysicalDeviceProperties)(client.physical, &properties);
+  EXPECT_GE(properties.limits.maxComputeSharedMemorySize, 65536u);
+  EXPECT_GE(properties.limits.maxComputeWorkGroupInvocations, 1024u);
+  const auto set_layout = client.set_layout({{0, kStorage, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(set_layout, 0);
+  const VkDescriptorSet set = client.descriptor_set(set_layout);
+  for (const uint32_t size : {1024u, 64u, 16u}) {
+    const auto out = client.buffer(5 * 4);
+    client.write_buffer(set, 0, kStorage, {out.handle, 0, VK_WHOLE_SIZE});
+    static constexpr VkSpecializationMapEntry kEntry{0, 0, 4};
+    const VkSpecializationInfo specialization{1, &kEntry, 4, &size};
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    ASSERT_EQ(client.compute_pipeline(layout, client.module(kSharedReduceCompute), &specialization, &pipeline), VK_SUCCESS);
+    client.run([&](VkCommandBuffer cb) {
+      VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+      VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+      VK(client, CmdDispatch)(cb, 5, 1, 1);
+    });
+    for (uint32_t g = 0; g < 5; ++g) {
+      EXPECT_EQ(out.as<uint32_t>()[g], 7u * (16384u * 16383u / 2) + 16384u * g) << size << " " << g;
+    }
+  }
+}
+
 // "Dynamically uniform" indices of arrays of uniform and storage buffers.
 TEST(IcdCompute, BufferArraysAreIndexedDynamically) {
   constexpr VkDescriptorType kUniform = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;

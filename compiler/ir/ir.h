@@ -123,7 +123,7 @@ inline constexpr uint8_t kSpeculate = 2;   // Load: the address is valid for eve
 inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whatever the mask (tile buffers)
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
 inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another (atomic loads: another thread may write meanwhile)
-inline constexpr uint8_t kWrap = 32;       // Load, Store, Atomic: offset + lane * lane_stride wraps at 2^32
+inline constexpr uint8_t kWrap = 32;       // Load, Store: offset + lane * lane_stride wraps at 2^32
 
 inline constexpr uint32_t kMaxOperands = 5;
 inline constexpr uint32_t kMaxRegionDepth = 256;    // of nested Ifs and Loops: passes and back ends recurse over them

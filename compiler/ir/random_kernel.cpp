@@ -338,13 +338,18 @@ class Generator {
       const Address from{scratch_, random_offset(kScratchBytes), b_.i32(kScratchBytes), stride};
       return keep(b_.load(t, from));
     }
-    const Address from{input_, random_offset(kInputBytes), random_.one_in(2) ? input_bytes_ : b_.i32(kInputBytes), stride};
-    keep(b_.load(t, from, random_.one_in(2) ? kInvariant : 0));
+    const bool wrap = random_.one_in(2);  // across 2^32 if it starts close enough
+    const Value offset = wrap && random_.one_in(2) ? b_.i32(0u - random_.below(64)) : random_offset(kInputBytes);
+    const Address from{input_, offset, random_.one_in(2) ? input_bytes_ : b_.i32(kInputBytes),
+                       wrap && random_.one_in(2) ? size_bytes(t) : stride};
+    keep(b_.load(t, from, static_cast<uint8_t>((random_.one_in(2) ? kInvariant : 0) | (wrap ? kWrap : 0))));
   }
 
   void store() {
     const uint32_t stride = random_.one_in(2) ? random_.below(9) : 0;
-    b_.store({scratch_, random_offset(kScratchBytes), b_.i32(kScratchBytes), stride}, any(memory_type()));
+    const bool wrap = random_.one_in(4);
+    const Value offset = wrap ? b_.isub(random_offset(kScratchBytes), b_.i32(random_.below(64))) : random_offset(kScratchBytes);
+    b_.store({scratch_, offset, b_.i32(kScratchBytes), stride}, any(memory_type()), wrap ? kWrap : 0);
   }
 
   void atomic() {

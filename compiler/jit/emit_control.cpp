@@ -81,7 +81,10 @@ void Emitter::emit_uniform_if(const ir::Inst& inst, ir::Value id) {
   b_.CreateCondBr(scalar(inst.operand[0]), sides[0], sides[1]);
   for (int side = 0; side < 2; ++side) {
     start(sides[side]);
+    const size_t known = facts_.size();
+    if (side == 0) learn(inst.operand[0]);
     emit_insts(inst.region[side]);
+    facts_.resize(known);
     values[side] = yielded_values(inst.region[side], results, false);
     ends[side] = b_.GetInsertBlock();
     b_.CreateBr(join);
@@ -106,7 +109,10 @@ void Emitter::emit_flat_if(const ir::Inst& inst, ir::Value id) {
 void Emitter::emit_divergent_if(const ir::Inst& inst, ir::Value id) {
   const std::vector<ir::Value> results = results_of(id);
   V cond = vector(inst.operand[0]);
+  const size_t known = facts_.size();
+  learn(inst.operand[0]);
   std::vector<V> then_values = emit_guarded_side(inst.region[0], exec_and(cond), results);
+  facts_.resize(known);
   std::vector<V> else_values =
       emit_guarded_side(inst.region[1], is_trivial(inst.region[1]) ? nullptr : exec_and(mask_not(cond)), results);
   merge_sides(cond, results, then_values, else_values);
@@ -163,6 +169,7 @@ std::vector<Emitter::Carried> Emitter::loop_carried(const ir::Inst& inst, ir::Va
   for (size_t k = 0; k < init.size(); ++k) {
     carried[k].arg = body[k];  // the verifier: LoopArgs stand first, in order
     carried[k].next = yielded[k + 1];
+    loop_of_arg_[body[k].id] = id;
   }
   for (ir::Value r : results_of(id)) carried[kernel_.at(r).imm].result = r;
   return carried;

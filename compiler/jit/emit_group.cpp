@@ -267,7 +267,10 @@ void Emitter::emit_group_if(ir::Value v, std::optional<uint32_t> mask_offset) {
   for (uint32_t side = 0; side < 2; ++side) {
     start(sides[side]);
     const GroupTail tail{v, side};
+    const size_t known = facts_.size();
+    if (side == 0) learn(inst.operand[0]);
     emit_group_region(inst.region[side], varies ? masks + 8 * side : mask_offset, &tail);
+    facts_.resize(known);
     for (ir::Value r : scalars) values[side].push_back(scalar(ir::yielded(kernel_, inst.region[side])[kernel_.at(r).imm]));
     ends[side] = b_.GetInsertBlock();
     b_.CreateBr(varies && side == 0 ? between : join);
@@ -290,6 +293,7 @@ void Emitter::emit_group_loop(ir::Value v, std::optional<uint32_t> mask_offset) 
   const auto& init = kernel_.lists[inst.list];
   const auto& args = kernel_.regions[inst.region[0]].insts;
   const auto& values = ir::yielded(kernel_, inst.region[0]);
+  for (size_t k = 0; k < init.size(); ++k) loop_of_arg_[args[k].id] = v;
   std::vector<V> first;
   for (size_t k = 0; k < init.size(); ++k) first.push_back(is_kept(args[k]) ? nullptr : scalar(init[k]));
   llvm::BasicBlock *before = b_.GetInsertBlock(), *body = block("group.loop"), *done = block("group.loop.done");

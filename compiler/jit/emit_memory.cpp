@@ -1,4 +1,4 @@
-// Load and Store: classification of the address, bounds, and the accesses that need no gather. See ir.h, "Memory".
+// Load and Store: classification of the address and the accesses that need no gather; bounds are in emit_bounds.cpp. See ir.h, "Memory".
 #include "compiler/ir/walk.h"
 #include "compiler/jit/emitter.h"
 
@@ -16,6 +16,8 @@ bool Emitter::Access::contiguous() const { return !is_vector(base) && !is_vector
 Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
   const auto own_shape = [&](ir::Value v) { return get(v, is_lane(v)); };
   const ir::Value limit = ir::limit_of(inst);
+  // What the control flow tells holds for active lanes only.
+  const uint64_t bound = upper_bound(inst.operand[1], (inst.flags & (ir::kSpeculate | ir::kAllLanes)) == 0);
   return {.base = own_shape(inst.operand[0]),
           .offset = own_shape(inst.operand[1]),
           .limit = limit ? own_shape(limit) : nullptr,
@@ -23,85 +25,48 @@ Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
           .size_bytes = static_cast<uint32_t>(element->getPrimitiveSizeInBits() / 8),
           .element = element,
           .invariant = (inst.flags & ir::kInvariant) != 0,
-          .small_offset = upper_bound(inst.operand[1], 0) < kSmallOffset};
-}
-
-// The largest value that an I32 can have, as far as its expression tells. Looks at the IR, not at LLVM's values: see Emitter::b_.
-uint64_t Emitter::upper_bound(ir::Value v, uint32_t depth) const {
-  constexpr uint64_t kAny = ~0u;
-  constexpr uint32_t kMaxDepth = 8;
-  if (depth > kMaxDepth) return kAny;
-  const ir::Inst& inst = kernel_.at(v);
-  const auto bound = [&](uint32_t i) { return upper_bound(inst.operand[i], depth + 1); };
-  const auto unwrapped = [](uint64_t bound_64) { return bound_64 <= kAny ? bound_64 : kAny; };
-  const auto constant_count = [&] {
-    return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32;
-  };
-  switch (inst.op) {
-    case Op::kConst:
-      return inst.imm;
-    case Op::kLane:
-      return kLanes - 1;
-    case Op::kZExt: {
-      const ir::Type from = kernel_.at(inst.operand[0]).type;
-      return from == ir::Type::kB1 ? 1 : (1u << 8 * ir::size_bytes(from)) - 1;
-    }
-    case Op::kAnd:
-    case Op::kUMin:
-      return std::min(bound(0), bound(1));
-    case Op::kUMax:
-      return std::max(bound(0), bound(1));
-    case Op::kSelect:
-      return std::max(bound(1), bound(2));
-    case Op::kIAdd:
-      return unwrapped(bound(0) + bound(1));
-    case Op::kIMul:
-      return unwrapped(bound(0) * bound(1));
-    case Op::kLShr:
-      return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
-    case Op::kShl:
-      return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
-    default:
-      return kAny;
-  }
-}
-
-// ---- bounds ---------------------------------------------------------------------------------------------------------------
-// In bounds means offset + k <= limit with k = lane * stride + size, in exact arithmetic. As limit -sat- (k - 1) is either limit
-// - k + 1 or 0, this is offset < limit -sat- (k - 1): one unsigned compare with a value that is mostly uniform.
-
-Emitter::V Emitter::uniform_in_bounds(const Access& a) {
-  if (a.limit == nullptr) return nullptr;
-  V room = b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, a.limit, b_.getInt32(a.size_bytes - 1));
-  return b_.CreateICmpULT(a.offset, room);
-}
-
-Emitter::V Emitter::lanes_in_bounds(const Access& a) {
-  if (a.limit == nullptr) return nullptr;
-  std::vector<uint32_t> k_less_1(kLanes);
-  for (uint32_t l = 0; l < kLanes; ++l) {
-    // Saturated: a k beyond 2^32 lets nothing in, whatever the limit, as the difference is then 0.
-    k_less_1[l] = static_cast<uint32_t>(std::min<uint64_t>(uint64_t{l} * a.lane_stride_bytes + a.size_bytes - 1, ~0u));
-  }
-  const auto in_lanes = [&](V x) { return is_vector(x) ? x : b_.CreateVectorSplat(kLanes, x); };
-  V room = a.lane_stride_bytes == 0 && !is_vector(a.limit)
-               ? in_lanes(b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, a.limit, b_.getInt32(a.size_bytes - 1)))
-               : b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, in_lanes(a.limit),
-                                          llvm::ConstantDataVector::get(context_, k_less_1));
-  return from_i1(b_.CreateICmpULT(in_lanes(a.offset), room));
+          .wraps = (inst.flags & ir::kWrap) != 0,
+          .small_offset = bound < kSmallOffset,
+          .offset_bound = bound};
 }
 
 // ---- loads ----------------------------------------------------------------------------------------------------------------
 
 Emitter::V Emitter::emit_load(const ir::Inst& inst) {
-  const Access a = access_of(inst, element_type(inst.type));
+  Access a = access_of(inst, element_type(inst.type));
   if (inst.rate != ir::Rate::kLane && !a.uniform()) return fail("a uniform load has a varying address", a.element);
   if (a.uniform()) return uniform_load(a);
+  if (a.wraps && a.contiguous()) return consecutive_load(a, (inst.flags & ir::kSpeculate) != 0);
+  if (a.wraps) a = lane_by_lane(a);
   V in_bounds = lanes_in_bounds(a);
   const bool speculate = (inst.flags & ir::kSpeculate) != 0;
   V mask = in_bounds;
   if (!speculate && !exec_.full()) mask = in_bounds != nullptr ? exec_and(in_bounds) : exec_.lanes;
   return a.contiguous() ? contiguous_load(a, mask) : gather(a, mask);
+}
+
+// All lanes at once when they are in bounds and their addresses do not wrap, which one scalar comparison tells; else each by itself.
+Emitter::V Emitter::consecutive_load(const Access& a, bool speculate) {
+  V mask = speculate || exec_.full() ? nullptr : exec_.lanes;
+  V near = is_near(a);
+  if (near == nullptr) return contiguous_load(a, mask);
+  llvm::BasicBlock *fast = block("load.near"), *slow = block("load.far"), *done = block("load.done");
+  branch_likely(near, fast, slow);
+  start(fast);
+  V whole = contiguous_load(a, mask);
+  llvm::BasicBlock* fast_end = b_.GetInsertBlock();
+  b_.CreateBr(done);
+  start(slow);
+  const Access each = lane_by_lane(a);
+  V in_bounds = lanes_in_bounds(each);
+  V gathered = gather(each, in_bounds == nullptr ? mask : mask == nullptr ? in_bounds : b_.CreateAnd(in_bounds, mask));
+  llvm::BasicBlock* slow_end = b_.GetInsertBlock();
+  b_.CreateBr(done);
+  start(done);
+  llvm::PHINode* result = b_.CreatePHI(whole->getType(), 2);
+  result->addIncoming(whole, fast_end);
+  result->addIncoming(gathered, slow_end);
+  return result;
 }
 
 // Out of bounds: read from 16 zero bytes instead, which needs no branch.
@@ -155,10 +120,12 @@ Emitter::V Emitter::contiguous_load_by_lane(const Access& a, V mask) {
 
 void Emitter::emit_store(const ir::Inst& inst) {
   const ir::Value stored = inst.operand[2];
-  const Access a = access_of(inst, element_type(kernel_.at(stored).type));
+  Access a = access_of(inst, element_type(kernel_.at(stored).type));
   const bool all_lanes = (inst.flags & ir::kAllLanes) != 0;
   // One value for one address: all active lanes write the same, and at least one is active here.
   if (a.uniform() && !is_lane(stored)) return uniform_store(a, scalar(stored));
+  if (a.wraps && a.contiguous()) return consecutive_store(a, vector(stored), all_lanes);
+  if (a.wraps) a = lane_by_lane(a);
   V in_bounds = lanes_in_bounds(a);
   V mask = in_bounds;
   if (!all_lanes && !exec_.full()) mask = in_bounds != nullptr ? exec_and(in_bounds) : exec_.lanes;
@@ -167,6 +134,23 @@ void Emitter::emit_store(const ir::Inst& inst) {
   } else {
     scatter(a, vector(stored), mask);
   }
+}
+
+void Emitter::consecutive_store(const Access& a, V value, bool all_lanes) {
+  V mask = all_lanes || exec_.full() ? nullptr : exec_.lanes;
+  V near = is_near(a);
+  if (near == nullptr) return contiguous_store(a, value, mask);
+  llvm::BasicBlock *fast = block("store.near"), *slow = block("store.far"), *done = block("store.done");
+  branch_likely(near, fast, slow);
+  start(fast);
+  contiguous_store(a, value, mask);
+  b_.CreateBr(done);
+  start(slow);
+  const Access each = lane_by_lane(a);
+  V in_bounds = lanes_in_bounds(each);
+  scatter(each, value, in_bounds == nullptr ? mask : mask == nullptr ? in_bounds : b_.CreateAnd(in_bounds, mask));
+  b_.CreateBr(done);
+  start(done);
 }
 
 void Emitter::uniform_store(const Access& a, V value) {

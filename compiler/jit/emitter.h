@@ -71,7 +71,9 @@ class Emitter {
     llvm::Type* element = nullptr;
     bool invariant = false;
     bool base_readable = false;  // reading an element at `base` itself never faults
+    bool wraps = false;          // ir::kWrap
     bool small_offset = false;   // known to be below 2^31 - 8
+    uint64_t offset_bound = 0xffffffff;  // the largest offset of an active lane
     bool uniform() const;        // one address for all lanes
     bool contiguous() const;     // consecutive lanes are consecutive elements
   };
@@ -197,8 +199,8 @@ class Emitter {
   V emit_load(const ir::Inst& inst);
   void emit_store(const ir::Inst& inst);
   V uniform_load(const Access& a);
-  V uniform_in_bounds(const Access& a);  // i1; null when unchecked
-  V lanes_in_bounds(const Access& a);    // mask; null when unchecked
+  V consecutive_load(const Access& a, bool speculate);
+  void consecutive_store(const Access& a, V value, bool all_lanes);
   V contiguous_load(const Access& a, V mask);
   V contiguous_load_by_lane(const Access& a, V mask);
   void contiguous_store(const Access& a, V value, V mask);
@@ -206,9 +208,23 @@ class Emitter {
   V load_at(llvm::Type* type, V address_i64, bool invariant);
   void store_at(V value, V address_i64);
   V first_address(const Access& a);  // i64, of lane 0
-  uint64_t upper_bound(ir::Value v, uint32_t depth) const;
   V zeros_address();  // i64, of 16 zero bytes
   void mark_invariant(llvm::Instruction* load, bool invariant);
+
+  // ---- emit_bounds.cpp
+  uint64_t upper_bound(ir::Value v, bool with_facts, uint32_t depth = 0) const;
+  uint64_t expression_bound(ir::Value v, bool with_facts, uint32_t depth) const;
+  uint64_t carried_bound(ir::Value arg, uint32_t depth) const;
+  uint64_t compared_bound(const ir::Inst& compare, uint64_t x_bound, bool with_facts) const;
+  void for_each_implied(ir::Value condition, const std::function<void(const ir::Inst&)>& fn, uint32_t depth) const;
+  void learn(ir::Value condition);
+  bool is_known_in_bounds(const Access& a) const;
+  static uint64_t reach_bytes(const Access& a);
+  V is_near(const Access& a);
+  Access lane_by_lane(const Access& a);
+  void branch_likely(V condition, llvm::BasicBlock* likely, llvm::BasicBlock* other);
+  V uniform_in_bounds(const Access& a);  // i1; null when unchecked
+  V lanes_in_bounds(const Access& a);    // mask; null when unchecked
 
   // ---- emit_gather.cpp
   LaneAddresses lane_addresses(const Access& a);
@@ -298,6 +314,8 @@ class Emitter {
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;
   uint32_t insts_since_split_ = 0;
   Exec exec_;
+  std::vector<std::pair<ir::Value, uint64_t>> facts_;      // value, what it is at most in active lanes here
+  std::unordered_map<uint32_t, ir::Value> loop_of_arg_;    // LoopArgs of the Loops around
   const std::vector<bool> with_barriers_;  // by region
   const ir::WaveFrame frame_;
   V group_frames_ = nullptr, group_waves_ = nullptr, group_count_ = nullptr;  // i64: of the workgroup at hand

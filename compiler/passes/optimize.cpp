@@ -75,6 +75,8 @@ void optimize(ir::Kernel& k, Form form) {
   fold(k, form);
   cse(k);
   dce(k);
+  rates(k);
+  affine_addresses(k);
   hoist(k);
   hoist_loops(k);
   cse(k);  // equal values that stood in different regions may now meet

@@ -36,6 +36,9 @@ void narrow_loops(ir::Kernel& k);
 // Transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h.
 void lower_math(ir::Kernel& k);
 
+// Loads and stores whose addresses are consecutive from lane to lane get a uniform offset and a lane stride. Wants rates.
+void affine_addresses(ir::Kernel& k);
+
 // What depends on the draw or the primitive alone moves to Kernel::draw and Kernel::prim.
 void hoist(ir::Kernel& k);
 

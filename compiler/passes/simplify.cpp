@@ -367,7 +367,9 @@ Outcome Simplifier::memory(Inst& inst) {
       const Value limit = inst.operand[2];
       if (!limit || !imm(limit) || !imm(b)) return kNothing;
       const uint64_t size = ir::size_bytes(inst.type), stride = inst.lane_stride();
-      if (*imm(b) + size > *imm(limit)) return is(emit({.op = Op::kConst, .type = inst.type}));  // fails for lane 0, so for all
+      if (*imm(b) + size > *imm(limit)) {  // fails for lane 0, so for all unless they wrap
+        return inst.flags & ir::kWrap ? kNothing : is(emit({.op = Op::kConst, .type = inst.type}));
+      }
       if (*imm(b) + (kLanes - 1) * stride + size > *imm(limit)) return kNothing;
       inst.operand[2] = {};
       inst.flags |= ir::kSpeculate;  // as a checked access is valid for every lane

@@ -4,6 +4,7 @@
 
 #include "tools/bench/bench_scenes.h"
 #include "tools/bench/compute_rows.h"
+#include "tools/bench/kernel_rows.h"
 #include "tools/bench/latency_rows.h"
 #include "tools/error.h"
 #include "tools/scene.h"
@@ -65,6 +66,11 @@ std::vector<BenchRowInfo> make_rows() {
     rows.push_back({scene.name, scene.description, scene.extent, scene_row(scene.create)});
   }
   rows.push_back({"saxpy", "SAXPY of 8 M floats", {0, 0}, make_saxpy_row});
+  rows.push_back({"sgemm", "512x512 matrix product, tiles in shared memory", {0, 0}, make_sgemm_row});
+  rows.push_back({"transcendentals", "84 M transcendental functions", {0, 0}, make_transcendentals_row});
+  rows.push_back({"histogram", "256 bins of 4 M values, shared and global atomics", {0, 0}, make_histogram_row});
+  rows.push_back({"reduce", "sums of 8 M values, trees in shared memory", {0, 0}, make_reduce_row});
+  rows.push_back({"scan", "prefix sums of 2 M values in blocks of 256", {0, 0}, make_scan_row});
   return rows;
 }
 

@@ -1,0 +1,204 @@
+// Bounds of accesses: which need no check, and the checks of the others.
+#include <algorithm>
+
+#include "compiler/ir/walk.h"
+#include "compiler/jit/emitter.h"
+
+namespace pineda::jit {
+
+using ir::Op;
+
+// ---- ranges ---------------------------------------------------------------------------------------------------------------
+// Looks at the IR, not at LLVM's values: see Emitter::b_.
+
+constexpr uint64_t kAny = ~0u;
+constexpr uint64_t kNonNegative = 0x7fffffff;
+
+// The largest value that an I32 can have, as far as its expression tells, and, in active lanes, what the Ifs and Loops around the
+// place that is being emitted tell.
+uint64_t Emitter::upper_bound(ir::Value v, bool with_facts, uint32_t depth) const {
+  constexpr uint32_t kMaxDepth = 8;
+  if (depth > kMaxDepth) return kAny;
+  uint64_t out = expression_bound(v, with_facts, depth);
+  for (const auto& [value, most] : facts_) {
+    if (with_facts && value == v) out = std::min(out, most);
+  }
+  return out;
+}
+
+uint64_t Emitter::expression_bound(ir::Value v, bool with_facts, uint32_t depth) const {
+  const ir::Inst& inst = kernel_.at(v);
+  const auto bound = [&](uint32_t i) { return upper_bound(inst.operand[i], with_facts, depth + 1); };
+  const auto unwrapped = [](uint64_t bound_64) { return bound_64 <= kAny ? bound_64 : kAny; };
+  const auto constant_count = [&] {
+    return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32;
+  };
+  switch (inst.op) {
+    case Op::kConst:
+      return inst.imm;
+    case Op::kLane:
+      return kLanes - 1;
+    case Op::kZExt: {
+      const ir::Type from = kernel_.at(inst.operand[0]).type;
+      return from == ir::Type::kB1 ? 1 : (1u << 8 * ir::size_bytes(from)) - 1;
+    }
+    case Op::kAnd:
+    case Op::kUMin:
+      return std::min(bound(0), bound(1));
+    case Op::kUMax:
+      return std::max(bound(0), bound(1));
+    case Op::kSelect:
+      return std::max(bound(1), bound(2));
+    case Op::kIAdd:
+      return unwrapped(bound(0) + bound(1));
+    case Op::kIMul:
+      return unwrapped(bound(0) * bound(1));
+    case Op::kLShr:
+      return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
+    case Op::kShl:
+      return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
+    case Op::kURem:
+      return kernel_.at(inst.operand[1]).op == Op::kConst && kernel_.at(inst.operand[1]).imm != 0
+                 ? std::min(bound(0), kernel_.at(inst.operand[1]).imm - 1)
+                 : bound(0);
+    case Op::kUDiv:
+      return kernel_.at(inst.operand[1]).op == Op::kConst && kernel_.at(inst.operand[1]).imm != 0
+                 ? bound(0) / kernel_.at(inst.operand[1]).imm
+                 : kAny;
+    case Op::kLoopArg:
+      return with_facts ? carried_bound(v, depth) : kAny;
+    default:
+      return kAny;
+  }
+}
+
+// Calls fn for each comparison that holds where `condition` does.
+void Emitter::for_each_implied(ir::Value condition, const std::function<void(const ir::Inst&)>& fn, uint32_t depth) const {
+  constexpr uint32_t kMaxDepth = 6;
+  const ir::Inst& inst = kernel_.at(condition);
+  const auto is_false = [&](ir::Value v) { return kernel_.at(v).op == Op::kConst && kernel_.at(v).imm == 0; };
+  if (depth > kMaxDepth) return;
+  if (inst.op == Op::kAnd) {
+    for (uint32_t i = 0; i < 2; ++i) for_each_implied(inst.operand[i], fn, depth + 1);
+  } else if (inst.op == Op::kSelect && is_false(inst.operand[2])) {
+    for (uint32_t i = 0; i < 2; ++i) for_each_implied(inst.operand[i], fn, depth + 1);
+  } else if (inst.op == Op::kResult && kernel_.at(inst.operand[0]).op == Op::kIf) {
+    const ir::Inst& branch = kernel_.at(inst.operand[0]);
+    if (!is_false(ir::yielded(kernel_, branch.region[1])[inst.imm])) return;
+    for_each_implied(branch.operand[0], fn, depth + 1);
+    for_each_implied(ir::yielded(kernel_, branch.region[0])[inst.imm], fn, depth + 1);
+  } else if (inst.op == Op::kULt || inst.op == Op::kULe || inst.op == Op::kSLt || inst.op == Op::kSLe) {
+    if (kernel_.at(inst.operand[0]).type == ir::Type::kI32) fn(inst);
+  }
+}
+
+// What x is at most where x < y (or <=) holds; kAny when that tells nothing. `x_bound` is known of x otherwise.
+uint64_t Emitter::compared_bound(const ir::Inst& compare, uint64_t x_bound, bool with_facts) const {
+  const uint64_t y = upper_bound(compare.operand[1], with_facts);
+  const bool is_signed = compare.op == Op::kSLt || compare.op == Op::kSLe;
+  if (is_signed && (y > kNonNegative || x_bound > kNonNegative)) return kAny;
+  const bool less = compare.op == Op::kULt || compare.op == Op::kSLt;
+  return less && y > 0 ? y - 1 : y;
+}
+
+void Emitter::learn(ir::Value condition) {
+  for_each_implied(
+      condition,
+      [&](const ir::Inst& compare) {
+        const uint64_t before = upper_bound(compare.operand[0], true);
+        const uint64_t most = compared_bound(compare, before, true);
+        if (most < before) facts_.push_back({compare.operand[0], most});
+      },
+      0);
+}
+
+// A LoopArg is its initial value, or a next value of which the loop's condition held.
+uint64_t Emitter::carried_bound(ir::Value arg, uint32_t depth) const {
+  const auto owner = loop_of_arg_.find(arg.id);
+  if (owner == loop_of_arg_.end() || kernel_.at(arg).type != ir::Type::kI32) return kAny;
+  const ir::Inst& loop = kernel_.at(owner->second);
+  const uint64_t k = kernel_.at(arg).imm;
+  const auto& values = ir::yielded(kernel_, loop.region[0]);
+  const ir::Inst& next = kernel_.at(values[k + 1]);
+  const ir::Inst* step = next.op == Op::kIAdd && next.operand[0] == arg ? &kernel_.at(next.operand[1])
+                         : next.op == Op::kIAdd && next.operand[1] == arg ? &kernel_.at(next.operand[0])
+                                                                          : nullptr;
+  const uint64_t first = upper_bound(kernel_.lists[loop.list][k], true, depth + 1);
+  // By induction a counter that starts at 0 or above and is compared before it can overflow never is negative.
+  constexpr uint64_t kMaxStep = 1 << 30;
+  const bool counts = step != nullptr && step->op == Op::kConst && step->imm < kMaxStep && first < kMaxStep;
+  uint64_t most = kAny;
+  for_each_implied(
+      values[0],
+      [&](const ir::Inst& compare) {
+        const bool of_next = compare.operand[0] == values[k + 1], of_arg = counts && compare.operand[0] == arg;
+        if (!of_next && !of_arg) return;
+        // Without facts: they are about this turn, the comparison was one of the turn before.
+        const uint64_t held = compared_bound(compare, counts ? 0 : kAny, false);
+        if (counts && held >= kMaxStep) return;
+        most = std::min(most, of_next ? held : held + step->imm);
+      },
+      0);
+  return most == kAny ? kAny : std::max(first, most);
+}
+
+// ---- checks ---------------------------------------------------------------------------------------------------------------
+
+bool Emitter::is_known_in_bounds(const Access& a) const {
+  const auto* limit = llvm::dyn_cast_or_null<llvm::ConstantInt>(a.limit);
+  return limit != nullptr && a.offset_bound + reach_bytes(a) <= limit->getZExtValue();
+}
+
+// From lane 0's offset to the end of lane 15's element.
+uint64_t Emitter::reach_bytes(const Access& a) { return uint64_t{kLanes - 1} * a.lane_stride_bytes + a.size_bytes; }
+
+// i1: all lanes of an access that may wrap are in bounds, and none wraps. Null: known.
+Emitter::V Emitter::is_near(const Access& a) {
+  constexpr uint64_t kEnd = uint64_t{1} << 32;
+  if (a.limit == nullptr ? a.offset_bound + reach_bytes(a) <= kEnd : is_known_in_bounds(a)) return nullptr;
+  V end = b_.CreateAdd(b_.CreateZExt(a.offset, b_.getInt64Ty()), b_.getInt64(reach_bytes(a)));
+  return b_.CreateICmpULE(end, a.limit == nullptr ? b_.getInt64(kEnd) : b_.CreateZExt(a.limit, b_.getInt64Ty()));
+}
+
+// The same access with an offset of its own for each lane, modulo 2^32.
+Emitter::Access Emitter::lane_by_lane(const Access& a) {
+  std::vector<uint32_t> steps(kLanes);
+  for (uint32_t l = 0; l < kLanes; ++l) steps[l] = l * a.lane_stride_bytes;
+  Access each = a;
+  each.offset = b_.CreateAdd(is_vector(a.offset) ? a.offset : b_.CreateVectorSplat(kLanes, a.offset), llvm::ConstantDataVector::get(context_, steps));
+  each.lane_stride_bytes = 0;
+  each.wraps = each.small_offset = false;
+  each.offset_bound = kAny;
+  return each;
+}
+
+void Emitter::branch_likely(V condition, llvm::BasicBlock* likely, llvm::BasicBlock* other) {
+  constexpr uint32_t kLikely = 2000;
+  b_.CreateCondBr(condition, likely, other, llvm::MDBuilder(context_).createBranchWeights(kLikely, 1));
+}
+
+// In bounds means offset + k <= limit with k = lane * stride + size, in exact arithmetic. As limit -sat- (k - 1) is either limit
+// - k + 1 or 0, this is offset < limit -sat- (k - 1): one unsigned compare with a value that is mostly uniform.
+
+Emitter::V Emitter::uniform_in_bounds(const Access& a) {
+  if (a.limit == nullptr || is_known_in_bounds(a)) return nullptr;
+  V room = b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, a.limit, b_.getInt32(a.size_bytes - 1));
+  return b_.CreateICmpULT(a.offset, room);
+}
+
+Emitter::V Emitter::lanes_in_bounds(const Access& a) {
+  if (a.limit == nullptr || is_known_in_bounds(a)) return nullptr;
+  std::vector<uint32_t> k_less_1(kLanes);
+  for (uint32_t l = 0; l < kLanes; ++l) {
+    // Saturated: a k beyond 2^32 lets nothing in, whatever the limit, as the difference is then 0.
+    k_less_1[l] = static_cast<uint32_t>(std::min<uint64_t>(uint64_t{l} * a.lane_stride_bytes + a.size_bytes - 1, ~0u));
+  }
+  const auto in_lanes = [&](V x) { return is_vector(x) ? x : b_.CreateVectorSplat(kLanes, x); };
+  V room = a.lane_stride_bytes == 0 && !is_vector(a.limit)
+               ? in_lanes(b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, a.limit, b_.getInt32(a.size_bytes - 1)))
+               : b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, in_lanes(a.limit),
+                                          llvm::ConstantDataVector::get(context_, k_less_1));
+  return from_i1(b_.CreateICmpULT(in_lanes(a.offset), room));
+}
+
+}  // namespace pineda::jit
