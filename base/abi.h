@@ -90,7 +90,8 @@ struct ImageDescriptor {
   uint32_t level_count, layer_count;
   uint32_t layer_pitch_bytes;
   uint32_t state_id;  // of the view's half of compiler::TextureState, for SampleCall; 0: never written, or null
-  uint32_t reserved[2];
+  uint32_t format;    // VkFormat of the texels, for storage images that a shader declares without one
+  uint32_t reserved;
   MipLevel levels[kMaxMipLevels + 1];  // relative to the view's base level
   // sampler words; unused for storage images
   float lod_bias, min_lod, max_lod, max_anisotropy;

@@ -27,10 +27,9 @@ VkFormatFeatureFlags image_features(const FormatInfo& format) {
   if (format.uses & kUseBlend) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
   if (format.uses & kUseDepth) features |= VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
   if (format.uses & kUseStorage) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
-  if (format.uses & kUseStorageAtomic) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT;
   if (features == 0) return 0;
-  features |= VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
-  if (!format.is_compressed()) features |= VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_BLIT_DST_BIT;
+  features |= VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+  if (!format.is_compressed()) features |= VK_FORMAT_FEATURE_BLIT_DST_BIT;
   return features;
 }
 
@@ -104,8 +103,8 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   if (cube && query.type != VK_IMAGE_TYPE_2D) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const VkFormatFeatureFlags features = image_features(*info, query.tiling);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  // Volumes are stored, copied and sampled.
-  constexpr VkImageUsageFlags kVolumeUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT;
+  // Volumes are no attachments.
+  constexpr VkImageUsageFlags kVolumeUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kVolumeUsage)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   out->maxExtent = max_extent(query);
   out->maxMipLevels = std::bit_width(out->maxExtent.width);

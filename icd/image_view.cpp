@@ -156,6 +156,7 @@ ImageView::ImageView(const Allocator& from_allocator, Device& device, const VkIm
   const VkFormat shown = view_format.is_plain()        ? info.format
                          : view_format.is_compressed() ? view_format.decoded
                                                        : plane.format->format;
+  descriptor_.format = static_cast<uint32_t>(shown);
   descriptor_.state_id = device.texture_states.intern_view(view_half(info, shown, level_count));
 }
 

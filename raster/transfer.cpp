@@ -1,6 +1,9 @@
 // Copies and fills of rows, split over the pool when there are enough bytes to pay for it.
+#include <emmintrin.h>
+
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "raster/raster.h"
 
@@ -38,17 +41,63 @@ void for_pieces(ThreadPool& pool, uint64_t row_bytes, uint64_t rows, uint64_t sl
       parallel);
 }
 
-void fill_bytes(uint8_t* dst, uint64_t bytes, const uint8_t* pattern, uint32_t pattern_bytes) {
-  if (pattern_bytes == 1) {
+// Transfers larger than what caches keep are written past them: a store that fetches its line first moves half as many bytes
+// again, and would push out what the application works on.
+constexpr uint64_t kStreamBytes = 8 << 20;
+constexpr uint64_t kStreamRowBytes = 512;  // shorter pieces would be mostly edges
+
+void stream_copy(uint8_t* dst, const uint8_t* src, uint64_t bytes) {
+  const uint64_t head = std::min<uint64_t>(bytes, -reinterpret_cast<uintptr_t>(dst) & 63);
+  std::memcpy(dst, src, head);
+  dst += head, src += head, bytes -= head;
+  for (; bytes >= 64; bytes -= 64, dst += 64, src += 64) {
+    const auto* from = reinterpret_cast<const __m128i*>(src);
+    auto* to = reinterpret_cast<__m128i*>(dst);
+    const __m128i a = _mm_loadu_si128(from), b = _mm_loadu_si128(from + 1), c = _mm_loadu_si128(from + 2),
+                  d = _mm_loadu_si128(from + 3);
+    _mm_stream_si128(to, a);
+    _mm_stream_si128(to + 1, b);
+    _mm_stream_si128(to + 2, c);
+    _mm_stream_si128(to + 3, d);
+  }
+  std::memcpy(dst, src, bytes);
+}
+
+// The pattern from byte `phase` on, repeated over a period that lines and whole patterns share.
+struct Period {
+  static constexpr uint32_t kMaxBytes = 64 * 15;
+  alignas(64) uint8_t bytes[kMaxBytes + 64];
+  uint32_t length;
+
+  Period(const uint8_t* pattern, uint32_t pattern_bytes, uint64_t phase) : length(std::lcm(64u, pattern_bytes)) {
+    for (uint32_t i = 0; i < length; ++i) bytes[i] = pattern[(phase + i) % pattern_bytes];
+  }
+};
+
+void fill_bytes(uint8_t* dst, uint64_t bytes, const uint8_t* pattern, uint32_t pattern_bytes, bool stream) {
+  if (pattern_bytes == 1 && !stream) {
     std::memset(dst, pattern[0], bytes);
     return;
   }
-  // One period of whole patterns, then copies of it.
-  uint8_t period[16 * 16];
-  const uint32_t period_bytes = 16 * pattern_bytes;
-  for (uint32_t i = 0; i < period_bytes; i += pattern_bytes) std::memcpy(period + i, pattern, pattern_bytes);
-  for (; bytes >= period_bytes; bytes -= period_bytes, dst += period_bytes) std::memcpy(dst, period, period_bytes);
-  std::memcpy(dst, period, bytes);
+  const uint64_t head = stream ? std::min<uint64_t>(bytes, -reinterpret_cast<uintptr_t>(dst) & 63) : 0;
+  for (uint64_t i = 0; i < head; ++i) dst[i] = pattern[i % pattern_bytes];
+  dst += head, bytes -= head;
+  const Period period(pattern, pattern_bytes, head);
+  for (; bytes >= period.length; bytes -= period.length) {
+    for (uint32_t i = 0; i < period.length; i += 16, dst += 16) {
+      const __m128i value = _mm_load_si128(reinterpret_cast<const __m128i*>(period.bytes + i));
+      if (stream) {
+        _mm_stream_si128(reinterpret_cast<__m128i*>(dst), value);
+      } else {
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(dst), value);
+      }
+    }
+  }
+  std::memcpy(dst, period.bytes, bytes);
+}
+
+bool streams(uint64_t row_bytes, uint64_t rows, uint64_t slices) {
+  return row_bytes >= kStreamRowBytes && row_bytes * rows * slices >= kStreamBytes;
 }
 
 }  // namespace
@@ -60,12 +109,15 @@ void copy_rows(ThreadPool& pool, const CopyRows& copy) {
     c.row_bytes *= c.rows;
     c.rows = 1;
   }
+  const bool stream = streams(c.row_bytes, c.rows, c.slices);
   for_pieces(pool, c.row_bytes, c.rows, c.slices,
              [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
                for (; row < end_row; ++row) {
-                 std::memcpy(c.dst + slice * c.dst_slice_pitch + row * c.dst_row_pitch + first,
-                             c.src + slice * c.src_slice_pitch + row * c.src_row_pitch + first, end - first);
+                 uint8_t* to = c.dst + slice * c.dst_slice_pitch + row * c.dst_row_pitch + first;
+                 const uint8_t* from = c.src + slice * c.src_slice_pitch + row * c.src_row_pitch + first;
+                 stream ? stream_copy(to, from, end - first) : static_cast<void>(std::memcpy(to, from, end - first));
                }
+               if (stream) _mm_sfence();
              });
 }
 
@@ -76,15 +128,17 @@ void fill_rows(ThreadPool& pool, const FillRows& fill) {
     f.row_bytes *= f.rows;
     f.rows = 1;
   }
+  const bool stream = streams(f.row_bytes, f.rows, f.slices);
   // A piece may begin inside a pattern: it is rotated.
-  for_pieces(pool, f.row_bytes, f.rows, f.slices,
-             [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
-               uint8_t pattern[16];
-               for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
-               for (; row < end_row; ++row) {
-                 fill_bytes(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, pattern, f.pattern_bytes);
-               }
-             });
+  for_pieces(
+      pool, f.row_bytes, f.rows, f.slices, [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
+        uint8_t pattern[16];
+        for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
+        for (; row < end_row; ++row) {
+          fill_bytes(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, pattern, f.pattern_bytes, stream);
+        }
+        if (stream) _mm_sfence();
+      });
 }
 
 }  // namespace pineda::raster

@@ -97,6 +97,29 @@ class FormatClient : public PipelineClient {
     return out_.as<VkClearColorValue>();
   }
 
+  // Stores all texels of the buffer in an image, or loads them.
+  void storage(VkImageView view, const FormatInfo& format, const Buffer& texels, bool store) {
+    if (!storage_layout_) {
+      storage_set_layout_ = set_layout({{0, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, VK_SHADER_STAGE_ALL, nullptr},
+                                        {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_ALL, nullptr}});
+      storage_layout_ = pipeline_layout(storage_set_layout_, 12);
+      EXPECT_EQ(compute_pipeline(storage_layout_, module(kStorageFloatCompute), nullptr, &storage_[0]), VK_SUCCESS);
+      EXPECT_EQ(compute_pipeline(storage_layout_, module(kStorageUintCompute), nullptr, &storage_[1]), VK_SUCCESS);
+      EXPECT_EQ(compute_pipeline(storage_layout_, module(kStorageSintCompute), nullptr, &storage_[2]), VK_SUCCESS);
+    }
+    const VkDescriptorSet set = descriptor_set(storage_set_layout_);
+    write_image(set, 0, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, view);
+    write_buffer(set, 1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {texels.handle, 0, VK_WHOLE_SIZE});
+    run([&](VkCommandBuffer cb) {
+      const int kind = format.numeric == Numeric::kUint ? 1 : format.numeric == Numeric::kSint ? 2 : 0;
+      VK(*this, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, storage_[kind]);
+      VK(*this, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, storage_layout_, 0, 1, &set, 0, nullptr);
+      const uint32_t push[3] = {kExtent.width, kExtent.height, store};
+      VK(*this, CmdPushConstants)(cb, storage_layout_, VK_SHADER_STAGE_ALL, 0, sizeof(push), push);
+      VK(*this, CmdDispatch)(cb, (push[0] + 7) / 8, (push[1] + 7) / 8, 1);
+    });
+  }
+
   void upload(VkImage image, const Aspect& aspect, const std::vector<uint8_t>& data) {
     const Buffer in = buffer(data.size());
     std::memcpy(in.data, data.data(), data.size());
@@ -130,6 +153,9 @@ class FormatClient : public PipelineClient {
   Buffer out_;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
+  VkDescriptorSetLayout storage_set_layout_ = VK_NULL_HANDLE;
+  VkPipelineLayout storage_layout_ = VK_NULL_HANDLE;
+  VkPipeline storage_[3] = {};
   VkPipeline float_ = VK_NULL_HANDLE, uint_ = VK_NULL_HANDLE, sint_ = VK_NULL_HANDLE;
 };
 
@@ -256,6 +282,41 @@ TEST(IcdFormat, EveryFormatIsBlittedTo) {
       ASSERT_EQ(std::memcmp(&got[size_t{i} * format.texel_bytes], want, format.texel_bytes), 0) << format.name << " texel " << i;
     }
   }
+}
+
+// Stores and loads of images that the shader declares without a format.
+TEST(IcdFormat, EveryStorageFormatIsWrittenAndRead) {
+  FormatClient client;
+  std::mt19937 random(kSeed);
+  const auto texels = client.buffer(size_t{kTexels} * 16);
+  uint32_t formats = 0;
+  for (const FormatInfo& format : all_formats()) {
+    if (!(client.features(format) & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT)) continue;
+    ++formats;
+    const VkImage image = client.image(format.format, kExtent, 1, 1, VK_IMAGE_USAGE_STORAGE_BIT);
+    const VkImageView view = client.view(image, format.format);
+    auto* values = texels.as<VkClearColorValue>();
+    for (uint32_t i = 0; i < kTexels; ++i) {
+      for (uint32_t c = 0; c < 4; ++c) {
+        if (format.is_integer()) {
+          const uint32_t bits = format.component[c].bits ? format.component[c].bits : 8;
+          values[i].uint32[c] = static_cast<uint32_t>(random()) >> (33 - bits);
+        } else {
+          values[i].float32[c] = static_cast<float>(random() / 0x1p32 * 2.5 - 1.25);
+        }
+      }
+    }
+    const Aspect aspect{&format, &format, VK_IMAGE_ASPECT_COLOR_BIT};
+    std::vector<uint8_t> want(size_t{kTexels} * format.texel_bytes);
+    for (uint32_t i = 0; i < kTexels; ++i) pack_clear_color(format, values[i], &want[size_t{i} * format.texel_bytes]);
+    client.storage(view, format, texels, true);
+    ASSERT_EQ(client.download(image, aspect), want) << format.name;
+    client.storage(view, format, texels, false);
+    for (uint32_t i = 0; i < kTexels; ++i) {
+      ASSERT_TRUE(equal(format, values[i], unpack_texel(format, &want[size_t{i} * format.texel_bytes]))) << format.name;
+    }
+  }
+  EXPECT_GE(formats, 40u);
 }
 
 TEST(IcdFormat, DepthAndStencilAreBlittedTogether) {

@@ -1,5 +1,5 @@
 // Storage images: loads and stores of texels by integer coordinates (Vulkan 1.3, chapter 16). Coordinates outside load zero and
-// store nothing.
+// store nothing. A shader that declares no format finds it in the descriptor: one branch for each that a storage image may have.
 #pragma once
 
 #include "compiler/kernels/texel.h"

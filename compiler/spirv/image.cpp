@@ -330,24 +330,27 @@ void fetch(Translator& t, const Instruction& inst) {
 
 // ---- storage images ----
 
-ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_word, uint32_t coordinate_word) {
+ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_word, uint32_t coordinate_word,
+                       uint32_t operands_word) {
   const Opaque o = t.opaque(inst, image_word);
   const ImageType& image = image_type(t, inst, o);
   if (!image.storage) inst.fail("the image is not a storage image");
-  if (image.multisampled) inst.fail("multisampled storage images are not supported");
   ImageAccess a{.image = o.image};
   a.view_type = view_type(image);
   a.format = vulkan_format(image.format);
   a.component = component_type(t, o);
+  a.is_signed = t.m.type(t.m.type(o.image_type).element).is_signed;
   // A cube's third coordinate is the face, or layer * 6 + face.
   const uint32_t count = image.dim == spv::DimCube ? 3 : dimensions(image) + (image.arrayed ? 1 : 0);
   a.coord = coordinates(t, inst, coordinate_word, count, false);
+  const Operands operands = read_operands(t, inst, operands_word, ir::Type::kI32);
+  if (image.multisampled && !operands.sample) inst.fail("a multisampled image is accessed without a sample");
+  if (image.multisampled) a.sample = operands.sample;
   return a;
 }
 
 void read(Translator& t, const Instruction& inst) {
-  const ImageAccess a = access_for(t, inst, 3, 4);
-  read_operands(t, inst, 5, ir::Type::kI32);
+  const ImageAccess a = access_for(t, inst, 3, 4, 5);
   const std::optional<Texel> texel = t.stage.image_load(t.b, a);
   if (!texel) inst.fail("this image cannot be read here");
   const Type& type = t.result_type(inst);
@@ -355,12 +358,11 @@ void read(Translator& t, const Instruction& inst) {
 }
 
 void write(Translator& t, const Instruction& inst) {
-  const ImageAccess a = access_for(t, inst, 1, 2);
+  const ImageAccess a = access_for(t, inst, 1, 2, 4);
   const Values texel = t.values(inst, 3);
   const Type& type = t.type_of(inst, 3);
   const bool fits = (type.is_scalar() || type.kind == TypeKind::kVector) && t.b.type(texel[0]) == a.component;
   if (!fits) inst.fail("the texel does not have the image's type");
-  read_operands(t, inst, 4, ir::Type::kI32);
   bool ok = true;
   t.effect([&] { ok = t.stage.image_store(t.b, a, texel); });
   if (!ok) inst.fail("this image cannot be written here");

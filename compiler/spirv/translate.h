@@ -137,7 +137,9 @@ struct ImageAccess {  // storage images
   VkImageViewType view_type;
   VkFormat format;  // declared in the shader, or VK_FORMAT_UNDEFINED
   ir::Type component = ir::Type::kF32;
+  bool is_signed = false;  // of integer components
   std::array<ir::Value, 4> coord{};
+  ir::Value sample;  // I32, multisampled images
 };
 
 // Implemented by compiler/kernels. Every call appends to `b` at its current place; an unset Value or empty optional means
