@@ -69,6 +69,7 @@ void print_help() {
       "  PINEDA_ISA=sse42|avx2|avx512            instruction set (default: the best that the CPU has; same bits)\n"
       "  PINEDA_MODE=jit|f32|f64|check           machine code; evaluator; evaluator in double precision; both, compared\n"
       "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
+      "  PINEDA_TIMEOUT=N|off                    seconds that a submission may run before the device is lost (default: 120)\n"
       "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
       "  PINEDA_DEBUG=flag,flag...\n");
   for (const FlagRow& row : kFlags) std::fprintf(stderr, "      %-12s %s\n", row.name, row.help);
@@ -101,6 +102,11 @@ Config read_environment() {
   c.mode = static_cast<Mode>(choice("PINEDA_MODE", {"jit", "f32", "f64", "check"}, "jit, f32, f64 or check"));
   constexpr uint32_t kTiles[] = {0, 16, 32, 64};
   c.tile_px = kTiles[choice("PINEDA_TILE", {"", "16", "32", "64"}, "16, 32 or 64")];
+  // The evaluator takes a thousand times as long, so it has no limit that nobody asked for.
+  constexpr uint32_t kDefaultTimeout_s = 120;
+  const bool unlimited = text("PINEDA_TIMEOUT") == "off";
+  c.timeout_s = unlimited ? 0 : number("PINEDA_TIMEOUT", 86400);
+  if (text("PINEDA_TIMEOUT").empty() && c.mode == Mode::kJit) c.timeout_s = kDefaultTimeout_s;
   c.debug = parse_debug(text("PINEDA_DEBUG"));
   c.debug_dir = text("PINEDA_DEBUG_DIR");
   return c;

@@ -29,6 +29,7 @@ struct Config {
   std::string isa;         // PINEDA_ISA; empty = best
   Mode mode = Mode::kJit;  // PINEDA_MODE=jit|f32|f64|check
   uint32_t tile_px = 0;    // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
+  uint32_t timeout_s = 0;  // PINEDA_TIMEOUT: seconds that a submission may run; 0 = no limit
   uint32_t debug = 0;      // DebugFlag bits
   std::string debug_dir;   // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };

@@ -9,6 +9,7 @@
 #include "base/config.h"
 #include "base/deep_stack.h"
 #include "base/log.h"
+#include "base/stop_word.h"
 #include "compiler/eval/eval.h"
 #include "compiler/ir/walk.h"
 #include "compiler/jit/jit.h"
@@ -112,7 +113,7 @@ class BackedKernel final : public Executable {
     machine_ = std::move(*code);
     // Other threads may change what an atomic sees between the two runs, so such kernels are not compared.
     const bool check = mode == Mode::kCheck && !has_atomics(ir);
-    handle = check ? KernelHandle{&run_checked, this} : KernelHandle{machine_->code().fn, nullptr};
+    handle = check ? KernelHandle{&run_checked, this} : KernelHandle{machine_->code().fn, &stop_word()};
     return {};
   }
 
@@ -121,7 +122,7 @@ class BackedKernel final : public Executable {
                           uint32_t prim_count, const void* waves) {
     const auto& self = *static_cast<const BackedKernel*>(handle->self);
     const std::vector<eval::WrittenByte> expected = self.program_->dry_run(draw, thread, prims, prim_count, waves);
-    const KernelHandle machine{self.machine_->code().fn, nullptr};
+    const KernelHandle machine{self.machine_->code().fn, &stop_word()};
     machine(draw, thread, prims, prim_count, waves);
     uint64_t wrong = 0, first = 0;
     for (const eval::WrittenByte& byte : expected) {

@@ -12,8 +12,9 @@ namespace pineda::icd {
 namespace {
 
 struct Registry {
-  std::mutex mutex;  // guards messengers; nothing is called under it
+  std::mutex mutex;  // guards both lists; nothing is called under it
   std::vector<DebugMessenger*> messengers;
+  std::vector<DebugReportCallback*> callbacks;
 };
 
 Registry& registry() {
@@ -38,6 +39,27 @@ VkDebugUtilsMessageSeverityFlagBitsEXT severity_bit(Severity severity) {
   return VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
 }
 
+VkDebugReportFlagsEXT report_flag(Severity severity) {
+  switch (severity) {
+    case Severity::kInfo:
+      return VK_DEBUG_REPORT_INFORMATION_BIT_EXT;
+    case Severity::kWarning:
+      return VK_DEBUG_REPORT_WARNING_BIT_EXT;
+    case Severity::kError:
+      break;
+  }
+  return VK_DEBUG_REPORT_ERROR_BIT_EXT;
+}
+
+std::vector<VkDebugReportCallbackCreateInfoEXT> report_listeners(const Instance* of) {
+  const std::scoped_lock lock(registry().mutex);
+  std::vector<VkDebugReportCallbackCreateInfoEXT> found;
+  for (const DebugReportCallback* callback : registry().callbacks) {
+    if (!of || &callback->instance == of) found.push_back(callback->info);
+  }
+  return found;
+}
+
 std::vector<VkDebugUtilsMessengerCreateInfoEXT> listeners(const Instance* of) {
   const std::scoped_lock lock(registry().mutex);
   std::vector<VkDebugUtilsMessengerCreateInfoEXT> found;
@@ -55,6 +77,17 @@ void forward(Severity severity, std::string_view text) {
   for (const auto& listener : listeners(nullptr)) {
     send(listener, severity_bit(severity), VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT, data);
   }
+  for (const auto& listener : report_listeners(nullptr)) {
+    const VkDebugReportFlagsEXT flag = report_flag(severity);
+    if (!(listener.flags & flag)) continue;
+    (void)listener.pfnCallback(flag, VK_DEBUG_REPORT_OBJECT_TYPE_UNKNOWN_EXT, 0, 0, 0, "Pineda", message.c_str(),
+                               listener.pUserData);
+  }
+}
+
+void install_sink() {
+  static std::once_flag installed;  // for good: without listeners forward() does nothing
+  std::call_once(installed, [] { set_log_sink(forward); });
 }
 
 void remove_if(auto&& matches) {
@@ -66,6 +99,8 @@ void remove_if(auto&& matches) {
 
 void remove_messengers(const Instance& instance) {
   remove_if([&](const DebugMessenger* messenger) { return &messenger->instance == &instance; });
+  const std::scoped_lock lock(registry().mutex);
+  std::erase_if(registry().callbacks, [&](const DebugReportCallback* callback) { return &callback->instance == &instance; });
 }
 
 VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT* info,
@@ -74,8 +109,7 @@ VkResult api::CreateDebugUtilsMessengerEXT(VkInstance instance, const VkDebugUti
     *out = VK_NULL_HANDLE;
     auto messenger = make_object<DebugMessenger>(Allocator(callbacks, from(instance)->allocator),
                                                  VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(instance), *info);
-    static std::once_flag sink_installed;  // for good: without messengers forward() does nothing
-    std::call_once(sink_installed, [] { set_log_sink(forward); });
+    install_sink();
     const std::scoped_lock lock(registry().mutex);
     registry().messengers.push_back(messenger.get());
     *out = to_handle(messenger.release());
@@ -94,6 +128,41 @@ void api::SubmitDebugUtilsMessageEXT(VkInstance instance, VkDebugUtilsMessageSev
                                      VkDebugUtilsMessageTypeFlagsEXT types, const VkDebugUtilsMessengerCallbackDataEXT* data) {
   (void)guarded([&] {
     for (const auto& listener : listeners(from(instance))) send(listener, severity, types, *data);
+    return VK_SUCCESS;
+  });
+}
+
+VkResult api::CreateDebugReportCallbackEXT(VkInstance instance, const VkDebugReportCallbackCreateInfoEXT* info,
+                                           const VkAllocationCallbacks* callbacks, VkDebugReportCallbackEXT* out) {
+  return guarded([&] {
+    *out = VK_NULL_HANDLE;
+    auto callback = make_object<DebugReportCallback>(Allocator(callbacks, from(instance)->allocator),
+                                                     VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(instance), *info);
+    install_sink();
+    const std::scoped_lock lock(registry().mutex);
+    registry().callbacks.push_back(callback.get());
+    *out = to_handle(callback.release());
+    return VK_SUCCESS;
+  });
+}
+
+void api::DestroyDebugReportCallbackEXT(VkInstance instance, VkDebugReportCallbackEXT callback,
+                                        const VkAllocationCallbacks* callbacks) {
+  if (!callback) return;
+  {
+    const std::scoped_lock lock(registry().mutex);
+    std::erase(registry().callbacks, from(callback));
+  }
+  destroy_object(from(callback), callbacks, from(instance)->allocator);
+}
+
+void api::DebugReportMessageEXT(VkInstance instance, VkDebugReportFlagsEXT flags, VkDebugReportObjectTypeEXT type,
+                                uint64_t object, size_t location, int32_t code, const char* prefix, const char* message) {
+  (void)guarded([&] {
+    for (const auto& listener : report_listeners(from(instance))) {
+      if (listener.flags & flags)
+        (void)listener.pfnCallback(flags, type, object, location, code, prefix, message, listener.pUserData);
+    }
     return VK_SUCCESS;
   });
 }

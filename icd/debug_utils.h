@@ -16,6 +16,16 @@ class DebugMessenger : public Object {
   const VkDebugUtilsMessengerCreateInfoEXT info;
 };
 
+// VK_EXT_debug_report, what came before: the same messages.
+class DebugReportCallback : public Object {
+ public:
+  DebugReportCallback(const Allocator& from, Instance& owner, const VkDebugReportCallbackCreateInfoEXT& create_info)
+      : Object(from), instance(owner), info(create_info) {}
+
+  Instance& instance;
+  const VkDebugReportCallbackCreateInfoEXT info;
+};
+
 // When an instance dies with messengers alive (invalid, but applications exit this way): they hear nothing more.
 void remove_messengers(const Instance& instance);
 

@@ -15,6 +15,7 @@ Device::Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gate
       physical(owner),
       sample_functions([this](uint32_t view, uint32_t sampler) { return texture_states.combine(view, sampler); }),
       pool(render_threads()),
+      watchdog(*this),
       queues{Queue(*this), Queue(*this), Queue(*this)},
       scheduler(*this),
       gates_(gates) {}
@@ -37,6 +38,7 @@ bool Device::reserve_memory(VkDeviceSize size_bytes) {
   do {
     if (size_bytes > memory_heap_bytes() || used > memory_heap_bytes() - size_bytes) return false;
   } while (!memory_bytes_.compare_exchange_weak(used, used + size_bytes));
+  count_device_memory(int64_t(size_bytes));
   return true;
 }
 

@@ -19,6 +19,7 @@
 #include "icd/physical_device.h"
 #include "icd/scheduler.h"
 #include "icd/texture_state.h"
+#include "icd/watchdog.h"
 #include "raster/thread_pool.h"
 
 namespace pineda::icd {
@@ -34,6 +35,7 @@ class Device : public Dispatchable, public Object {
   Background background;
   raster::ThreadPool pool;  // used by whoever holds the scheduler's baton
 
+  Watchdog watchdog;
   std::array<Queue, kQueueFamilyCount> queues;
   Scheduler scheduler;  // last: its worker uses the others
 
@@ -57,7 +59,10 @@ class Device : public Dispatchable, public Object {
 
   // Accounts for device memory; false when the heap has no room.
   bool reserve_memory(VkDeviceSize size_bytes);
-  void return_memory(VkDeviceSize size_bytes) { memory_bytes_.fetch_sub(size_bytes); }
+  void return_memory(VkDeviceSize size_bytes) {
+    memory_bytes_.fetch_sub(size_bytes);
+    count_device_memory(-int64_t(size_bytes));
+  }
 
   // Names given by the application, by handle; empty when there is none.
   void set_name(uint64_t handle, std::string_view name);

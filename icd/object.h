@@ -53,6 +53,7 @@ PINEDA_HANDLE(Surface, VkSurfaceKHR)
 PINEDA_HANDLE(Swapchain, VkSwapchainKHR)
 PINEDA_HANDLE(CommandPool, VkCommandPool)
 PINEDA_HANDLE(DebugMessenger, VkDebugUtilsMessengerEXT)
+PINEDA_HANDLE(DebugReportCallback, VkDebugReportCallbackEXT)
 #undef PINEDA_HANDLE
 
 // Runs the body of an API command; every exception ends here.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -55,6 +56,29 @@ VkDeviceSize memory_heap_bytes() {
   static const VkDeviceSize bytes =
       std::min(VkDeviceSize(sysconf(_SC_PHYS_PAGES)) * VkDeviceSize(sysconf(_SC_PAGESIZE)), control_group_limit_bytes());
   return bytes;
+}
+
+namespace {
+
+std::atomic<int64_t> g_device_memory_bytes{0};
+
+// MemAvailable of /proc/meminfo: what can be had without swapping; 0 when the file tells nothing.
+VkDeviceSize available_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  VkDeviceSize kib = 0;
+  for (std::string name; file >> name; file.ignore(256, '\n')) {
+    if (name == "MemAvailable:" && file >> kib) break;
+  }
+  return kib * 1024;
+}
+
+}  // namespace
+
+VkDeviceSize device_memory_in_use() { return VkDeviceSize(std::max<int64_t>(g_device_memory_bytes.load(), 0)); }
+void count_device_memory(int64_t change_bytes) { g_device_memory_bytes.fetch_add(change_bytes, std::memory_order_relaxed); }
+
+VkDeviceSize memory_budget_bytes() {
+  return std::clamp<VkDeviceSize>(device_memory_in_use() + available_memory_bytes(), 1, memory_heap_bytes());
 }
 
 std::string code_path_name() {

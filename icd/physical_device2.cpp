@@ -51,6 +51,15 @@ void api::GetPhysicalDeviceQueueFamilyProperties2(VkPhysicalDevice, uint32_t* co
 
 void api::GetPhysicalDeviceMemoryProperties2(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties2* out) {
   GetPhysicalDeviceMemoryProperties(device, &out->memoryProperties);
+  if (auto* to = find_in_chain<VkPhysicalDeviceMemoryBudgetPropertiesEXT>(
+          out->pNext, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT)) {
+    for (uint32_t i = 0; i < VK_MAX_MEMORY_HEAPS; ++i) to->heapBudget[i] = to->heapUsage[i] = 0;
+    (void)guarded([&] {
+      to->heapUsage[0] = device_memory_in_use();
+      to->heapBudget[0] = memory_budget_bytes();
+      return VK_SUCCESS;
+    });
+  }
 }
 
 void api::GetPhysicalDeviceSparseImageFormatProperties2(VkPhysicalDevice, const VkPhysicalDeviceSparseImageFormatInfo2*,

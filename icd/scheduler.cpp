@@ -199,10 +199,13 @@ void Scheduler::run_front_locked(Queue& queue, std::unique_lock<std::mutex>& loc
 }
 
 void Scheduler::execute(Queue& queue, std::span<const CommandBuffer* const> commands) noexcept {
+  if (commands.empty()) return;
   const ScopedFloatEnvironment environment;
+  device_.watchdog.begin();
   try {
     for (const CommandBuffer* command_buffer : commands) {
-      if (device_.lost()) return;
+      if (device_.lost()) break;
+      executing_.store(command_buffer);
       queue.executor_.run(*command_buffer);
     }
   } catch (const std::bad_alloc&) {
@@ -212,6 +215,7 @@ void Scheduler::execute(Queue& queue, std::span<const CommandBuffer* const> comm
     queue.executor_.abandon();
     device_.lose(e.what());
   }
+  device_.watchdog.end();
 }
 
 void Scheduler::show(std::span<const Presentation> presentations) noexcept {
@@ -226,12 +230,18 @@ void Scheduler::finish_locked(Queue& queue, Fence* fence) {
   changed_.notify_all();
 }
 
-void Scheduler::set_running(bool running) {
-  std::unique_lock lock(mutex_);
-  if (running) changed_.wait(lock, [&] { return !running_; });
-  running_ = running;
-  lock.unlock();
-  changed_.notify_all();
+void Scheduler::pause() {
+  device_.watchdog.end();
+  change([&] { running_ = false; });
+}
+
+void Scheduler::resume() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !running_; });
+    running_ = true;
+  }
+  device_.watchdog.begin();
 }
 
 bool Scheduler::help() {

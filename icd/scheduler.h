@@ -12,6 +12,7 @@
 // `running_` is the baton: who sets it (under the mutex) executes, so executors and thread pool need no lock of their own.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <span>
@@ -32,6 +33,8 @@ class Scheduler {
   VkResult wait_idle(const Queue* queue);
   // Executes the oldest submission that can start on this thread; false when there is none or somebody else is at work.
   bool help();
+  // What executes now or did last; for messages.
+  const CommandBuffer* executing() const { return executing_.load(); }
   // Changes what submissions may wait for.
   template <typename Change>
   void change(Change&& change) {
@@ -44,9 +47,9 @@ class Scheduler {
   // For who executes and has to wait for the host: others may execute meanwhile.
   template <typename Wait>
   void yield(Wait&& wait) {
-    set_running(false);
+    pause();
     wait();
-    set_running(true);
+    resume();
   }
 
  private:
@@ -58,10 +61,12 @@ class Scheduler {
   void execute(Queue& queue, std::span<const CommandBuffer* const> commands) noexcept;
   void show(std::span<const Presentation> presentations) noexcept;
   void finish_locked(Queue& queue, Fence* fence);
-  void set_running(bool running);
+  void pause();
+  void resume();
   void worker_main();
 
   Device& device_;
+  std::atomic<const CommandBuffer*> executing_{nullptr};
   std::mutex mutex_;  // guards all below and the queues' pending work
   std::condition_variable changed_;
   uint64_t next_sequence_ = 0;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/stop_word.h"
 #include "raster/raster.h"
 
 namespace pineda::raster {
@@ -67,7 +68,7 @@ class Dispatcher {
     GroupScratch& scratch = *scratch_[thread];
     ThreadContext context{};
     context.wave_frames = scratch.frames;
-    while (first < end) {
+    while (first < end && !kernels_stopped()) {
       const auto n = static_cast<uint32_t>(std::min<uint64_t>(end - first, groups_per_call_));
       // Zeroed for every workgroup: what an earlier one left behind would depend on the number of threads.
       if (scratch.shared) std::memset(scratch.shared, 0, shared_stride_ * n);

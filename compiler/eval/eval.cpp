@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/float_environment.h"
+#include "base/stop_word.h"
 #include "compiler/eval/code.h"
 #include "compiler/eval/memory.h"
 
@@ -256,6 +257,7 @@ class Machine {
       copy(body.yields, mask);  // all of them before any LoopArg changes: they may name LoopArgs
       mask = lanes_where(body.again, mask);
       copy(body.carried, mask);
+      if (kernels_stopped()) return;
     }
   }
 

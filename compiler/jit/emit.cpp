@@ -1,4 +1,5 @@
 // The frame of a kernel (three loops, see base/abi.h) and the dispatch to the op families.
+#include <algorithm>
 #include <bit>
 
 #include "base/half.h"
@@ -78,9 +79,19 @@ void Emitter::emit_frame() {
   draw_ptr_ = b_.CreatePtrToInt(function_->getArg(1), b_.getInt64Ty());
   thread_ptr_ = b_.CreatePtrToInt(function_->getArg(2), b_.getInt64Ty());
   create_locals();
+  const bool has_loops = std::ranges::any_of(kernel_.insts, [](const ir::Inst& inst) { return inst.op == Op::kLoop; });
+  if (has_loops) emit_stop_pointer();
   if (kernel_.draw != 0) emit_insts(kernel_.draw);
   emit_prim_loop();
   b_.CreateRetVoid();
+}
+
+// Where loops look whether they are to end (base/stop_word.h): the handle's word, or one of our own that stays 0.
+void Emitter::emit_stop_pointer() {
+  V word = load_field(function_->getArg(0), offsetof(KernelHandle, self), b_.getPtrTy());
+  llvm::AllocaInst* never = b_.CreateAlloca(b_.getInt32Ty(), nullptr, "never");
+  b_.CreateStore(b_.getInt32(0), never);
+  stop_ptr_ = b_.CreateSelect(b_.CreateIsNull(word), never, word, "stop");
 }
 
 // for (i = 0; i < prim_count; ++i)

@@ -213,7 +213,9 @@ void Emitter::emit_loop(const ir::Inst& inst, ir::Value id) {
     if (!shared && c.result_phi != nullptr) c.result_phi->addIncoming(latch_results[k], latch);
     if (c.result) value_[c.result.id] = latch_results[k];
   }
-  b_.CreateCondBr(repeat, body, done);
+  // Volatile: another thread writes the word, so the load stays in the loop.
+  V stop = b_.CreateLoad(b_.getInt32Ty(), stop_ptr_, /*isVolatile=*/true);
+  b_.CreateCondBr(b_.CreateAnd(repeat, b_.CreateIsNull(stop)), body, done);
   start(done);
   exec_ = outer;
 }

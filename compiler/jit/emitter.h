@@ -99,6 +99,7 @@ class Emitter {
 
   // ---- emit.cpp: frame and dispatch
   void emit_frame();
+  void emit_stop_pointer();
   void emit_prim_loop();
   void emit_wave_loop(V prim_record);
   void emit_wave(llvm::BasicBlock* skip);
@@ -322,6 +323,7 @@ class Emitter {
   V frame_ptr_ = nullptr;                                                     // i64: of the wave at hand
   std::unordered_map<uint32_t, V> any_lane_;  // If or Loop that varies: ptr to i16[2], whether a lane wants a side or a turn
   V draw_ptr_ = nullptr, thread_ptr_ = nullptr, prim_ptr_ = nullptr, wave_ptr_ = nullptr;  // i64
+  V stop_ptr_ = nullptr;  // of the word that ends loops; null: the kernel has none
   llvm::Function* fma_function_ = nullptr;
   llvm::GlobalVariable* zeros_ = nullptr;
   llvm::GlobalVariable* one_wave_ = nullptr;

@@ -18,7 +18,8 @@ void check_seed(uint64_t seed, const ir::Kernel& kernel, ir::RandomKernel& rando
   for (Isa isa : isas()) {
     const Compiled compiled(kernel, {.isa = isa});
     ASSERT_EQ(compiled.code.error, "") << "seed " << seed << " " << isa_name(isa);
-    const auto got = random.run([&](auto... args) { compiled.code.fn(nullptr, args...); });
+    const KernelHandle handle{compiled.code.fn, nullptr};
+    const auto got = random.run([&](auto... args) { handle(args...); });
     ASSERT_EQ(first_difference(expected, got), -1) << "seed " << seed << " " << isa_name(isa) << "\n" << ir::print(kernel);
   }
 }
