@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/bench/bench.h"
+#include "tools/capture.h"
 #include "tools/compare.h"
 #include "tools/driver_process.h"
 #include "tools/error.h"
@@ -23,7 +24,7 @@ struct Arguments {
   std::vector<std::string> scenes;
   std::string drivers = "pineda,lavapipe", driver = "pineda";
   std::string size = "800x600", compare_size = "1600x1200";
-  std::string out, json, filter, golden_file;
+  std::string out, json, filter, golden_file, capture;
   uint32_t frames = 30, rounds = 5;
   double threshold_share = 0.999, budget_ms = 200;
   int largest_difference = -1;  // no limit
@@ -31,7 +32,22 @@ struct Arguments {
   bool truth = false, validate = false, hash = false, update = false, list = false;
 };
 
+int run_compare_capture(const Arguments& arguments) {
+  const CaptureComparison result = compare_capture({.file = arguments.capture,
+                                                    .drivers = parse_drivers(arguments.drivers),
+                                                    .out_dir = arguments.out.empty() ? "report" : arguments.out,
+                                                    .threshold_share = arguments.threshold_share});
+  for (const FrameDifference& frame : result.frames) {
+    fmt::print("{} {}: {} within 1/255, largest difference {}\n", frame.driver, frame.frame,
+               percent_text(frame.metrics.within_one_share), frame.metrics.largest_difference);
+  }
+  for (const std::string& problem : result.problems) fmt::print(stderr, "{}\n", problem);
+  fmt::print("{} frames compared\n", result.frames.size());
+  return result.problems.empty() ? 0 : kFailed;
+}
+
 int run_compare(const Arguments& arguments) {
+  if (!arguments.capture.empty()) return run_compare_capture(arguments);
   const Size size = parse_size(arguments.compare_size);
   CompareOptions options{.scenes = arguments.scenes,
                          .drivers = parse_drivers(arguments.drivers),
@@ -118,6 +134,8 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
       ->check(CLI::Range(0.0, 1.0));
   compare->add_option("--max-diff", arguments.largest_difference, "largest difference allowed, in units of 1/255")
       ->check(CLI::Range(0, 255));
+  compare->add_option("--capture", arguments.capture,
+                      "replay this capture of GFXReconstruct instead (needs gfxrecon-replay and a display), frame by frame");
   compare->add_option("--timeout", arguments.timeout_s, "seconds a driver may be silent")->capture_default_str();
   compare->callback([&] { status = run_compare(arguments); });
 
