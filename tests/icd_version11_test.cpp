@@ -4,6 +4,7 @@
 
 #include "icd_pipeline_client.h"
 #include "icd_shaders.h"
+#include "icd_shaders_driver.h"
 
 namespace pineda::test {
 namespace {
@@ -220,6 +221,56 @@ TEST(IcdVersion11, TemplatesAndBasesReachTheShader) {
     const bool ran = group == 1 || group == 2 || group == 5;
     ASSERT_EQ(static_cast<uint32_t*>(mapped)[i], ran ? in.as<uint32_t>()[i] * 3 + i + 5 : 0) << i;
   }
+}
+
+// VK_EXT_scalar_block_layout and VK_KHR_uniform_buffer_standard_layout: members at offsets that Vulkan 1.0 forbids.
+TEST(IcdVersion11, BlocksMayBeLaidOutTightly) {
+  VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES};
+  scalar.scalarBlockLayout = VK_TRUE;
+  VkPhysicalDeviceUniformBufferStandardLayoutFeatures standard{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, &scalar, VK_TRUE};
+  PipelineClient client(
+      nullptr, {}, {VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME, VK_KHR_UNIFORM_BUFFER_STANDARD_LAYOUT_EXTENSION_NAME}, &standard);
+  ASSERT_EQ(client.result, VK_SUCCESS);
+  const VkDescriptorSetLayout set_layout =
+      client.set_layout({{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr},
+                         {1, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}});
+  const VkPipelineLayout layout = client.pipeline_layout(set_layout, 0);
+  const VkDescriptorSet set = client.descriptor_set(set_layout);
+  const auto storage = client.buffer(128), uniform = client.buffer(64);
+  client.write_buffer(set, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {storage.handle, 0, VK_WHOLE_SIZE});
+  client.write_buffer(set, 1, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, {uniform.handle, 0, VK_WHOLE_SIZE});
+  for (uint32_t i = 0; i < 13; ++i) storage.as<float>()[i] = float(i);
+  for (uint32_t i = 0; i < 4; ++i) uniform.as<float>()[i] = 100.0f * float(i);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  ASSERT_EQ(client.compute_pipeline(layout, client.module(kScalarLayoutCompute), nullptr, &pipeline), VK_SUCCESS);
+  client.run([&](VkCommandBuffer cb) {
+    VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
+    VK(client, CmdDispatch)(cb, 1, 1, 1);
+  });
+  for (uint32_t i = 0; i < 4; ++i) EXPECT_EQ(storage.as<float>()[13 + i], 100.0f * float(i) + float(1 + 3 * i + 1)) << i;
+}
+
+// What a process has allocated is the heap's usage.
+TEST(IcdVersion11, MemoryBudgetFollowsAllocations) {
+  Client client;
+  const auto usage = [&] {
+    VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+    VkPhysicalDeviceMemoryProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, &budget};
+    VK(client, GetPhysicalDeviceMemoryProperties2)(client.physical, &properties);
+    EXPECT_GT(budget.heapBudget[0], budget.heapUsage[0]);
+    EXPECT_LE(budget.heapBudget[0], properties.memoryProperties.memoryHeaps[0].size);
+    EXPECT_EQ(budget.heapBudget[1], 0u);
+    return budget.heapUsage[0];
+  };
+  const VkDeviceSize before = usage();
+  const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, 5u << 20, 0};
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  ASSERT_EQ(VK(client, AllocateMemory)(client.device, &info, nullptr, &memory), VK_SUCCESS);
+  EXPECT_EQ(usage(), before + (5u << 20));
+  VK(client, FreeMemory)(client.device, memory, nullptr);
+  EXPECT_EQ(usage(), before);
 }
 
 }  // namespace
