@@ -11,6 +11,7 @@ shift 2
 work=$(mktemp -d)
 pids=()
 cleanup() {
+  [ "$BASHPID" = "$$" ] || return  # not in a subshell
   ((${#pids[@]})) && kill "${pids[@]}" 2>/dev/null
   wait 2>/dev/null
   rm -rf "$work"
@@ -26,8 +27,8 @@ failures=0
 have() { command -v "$1" >/dev/null; }
 version() { dpkg-query -W -f='${Version}' "$1" 2>/dev/null; }
 
-start_display() {  # an X server of our own, once
-  [ -n "${display_started:-}" ] && return 0
+display_started=
+start_display() {  # an X server of our own
   have Xvfb || return 1
   local number=$work/display
   Xvfb -displayfd 8 -screen 0 1024x768x24 8>"$number" 2>/dev/null &
@@ -56,7 +57,7 @@ verdict() {
 window() {
   local name=$1 seconds=$2 status colors
   shift 2
-  start_display || { echo "skipped: Xvfb is not installed"; return; }
+  [ -n "$display_started" ] || { echo "skipped: Xvfb is not installed"; return; }
   timeout "$seconds" "$@" >"$work/$name.log" 2>&1 &
   local pid=$!
   sleep $((seconds - 2))
@@ -95,7 +96,7 @@ client_vkd3d() {
 }
 client_gfxrecon() {
   have gfxrecon-replay || { row gfxrecon - 'skipped: not installed' gfxrecon-replay; return; }
-  start_display || { row gfxrecon - 'skipped: Xvfb is not installed' gfxrecon-replay; return; }
+  [ -n "$display_started" ] || { row gfxrecon - 'skipped: Xvfb is not installed' gfxrecon-replay; return; }
   (cd "$work" && VK_DRIVER_FILES=$lavapipe VK_ICD_FILENAMES=$lavapipe VK_INSTANCE_LAYERS=VK_LAYER_LUNARG_gfxreconstruct \
     GFXRECON_CAPTURE_FILE=cube.gfxr GFXRECON_CAPTURE_FILE_TIMESTAMP=false timeout 60 vkcube --c 20) >"$work/capture.log" 2>&1
   "$build/pineda" compare --capture "$work/cube.gfxr" --out "$out/clients/gfxrecon" >"$work/replay.log" 2>&1
@@ -131,6 +132,7 @@ client_dawn() {
     "$(verdict "$work/dawn.log" $? 'all right')" 'node tests/clients/webgpu.mjs'
 }
 
+start_display || true
 all=(vulkaninfo vkcube vkcube_wayland vkd3d gfxrecon validation zink chromium dawn)
 {
   echo '# Programs that nobody here wrote'
