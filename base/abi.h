@@ -163,6 +163,7 @@ struct DrawContext {
   VertexBufferBinding vertex_buffers[kMaxVertexBindings];
   float blend_constants[4];
   uint32_t first_vertex, first_instance, draw_index;  // gl_BaseVertex (vertexOffset as two's complement), gl_BaseInstance
+  uint32_t count_samples;  // 1: an occlusion query is active, and fragment kernels add to ThreadContext::samples_passed
   uint32_t stencil_reference[2], stencil_compare_mask[2], stencil_write_mask[2];  // front, back
   float depth_bounds[2];
   float depth_range[kMaxViewports][2];  // the lower and the upper end of each viewport's depths: what depth clamp clamps to
@@ -176,16 +177,17 @@ struct DrawContext {
 };
 static_assert(sizeof(DrawContext) % 8 == 0);
 
-// Per-thread pointers that a kernel writes through.
+// Per-thread pointers that a kernel writes through. With N samples a pixel, a block is N blocks in memory, one for each sample.
 struct ThreadContext {
-  uint8_t* color[kMaxColorAttachments];  // tile buffers: block b of attachment a is at color[a] + b * 16 * bytes per texel,
-                                         // in the attachment's own format (lane order above)
-  uint8_t* depth;
-  uint8_t* stencil;
-  uint64_t samples_passed;  // occlusion counter
-  uint8_t* wave_frames;     // compute kernels with barriers: what each wave keeps across them, compile.h's wave_frame_bytes a
-                            // wave; aligned to 64 bytes
-  SampleCall sample_call;   // scratch
+  uint8_t* color[kMaxColorAttachments];  // tile buffers: sample s of block b of attachment a is at color[a] + (b * N + s) * 16 *
+                                         // bytes per texel, in the attachment's own format (lane order above)
+  uint8_t* depth;                        // formats with both aspects keep them apart: here X8_D24 or D32,
+  uint8_t* stencil;                      // here S8
+  uint64_t samples_passed;               // occlusion counter
+  uint8_t* equal_samples;  // N > 1: one byte a block; 1: the samples of each colour are equal, and only sample 0 is in its buffer
+  uint8_t* wave_frames;    // compute kernels with barriers: what each wave keeps across them, compile.h's wave_frame_bytes a
+                           // wave; aligned to 64 bytes
+  SampleCall sample_call;  // scratch
 };
 
 // ---- vertex kernels -------------------------------------------------------------------------------------------------------
@@ -241,9 +243,16 @@ struct FragmentWave {
   uint32_t exec_mask;    // 0xFFFF
   uint32_t coverage;     // bit l: lane l is covered
   uint16_t x_px, y_px;   // framebuffer position of the block's top left pixel
-  uint32_t block_index;  // of the block in the tile buffers
+  uint32_t block_index;  // of the block in the tile buffers; for kernels that run for each sample, b * N + s
 };
 static_assert(sizeof(FragmentWave) == 16);
+
+// The same with N > 1 samples a pixel, for kernels that run once for each pixel.
+struct FragmentSampleWave {
+  FragmentWave wave;         // a lane is covered when one of its samples is
+  uint16_t samples[kLanes];  // bit s: sample s of the lane is covered
+};
+static_assert(sizeof(FragmentSampleWave) == 48);
 
 // ---- compute kernels ------------------------------------------------------------------------------------------------------
 

@@ -28,6 +28,7 @@ constexpr FlagRow kFlags[] = {
     {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},
     {"nofastclear", kDebugNoFastClear, "no clears as tile state (same bits)"},
     {"noopaque", kDebugNoOpaque, "opaque covers drop nothing (same bits)"},
+    {"noequal", kDebugNoEqualSamples, "every sample has its own colour, even where all are equal (same bits)"},
 };
 
 std::string text(const char* name) {

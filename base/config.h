@@ -22,6 +22,7 @@ enum DebugFlag : uint32_t {
   kDebugPerf = 1u << 9,         // names of kernels for perf
   kDebugGeneral = 1u << 10,     // pipelines are never specialised for what is bound (same bits)
   kDebugSpecialize = 1u << 11,  // pipelines are specialised before their first draw
+  kDebugNoEqualSamples = 1u << 12,  // every sample has its own colour
 };
 
 struct Config {

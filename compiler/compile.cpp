@@ -65,7 +65,8 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
                          .early_depth = fragment->early_depth,
                          .reads_color = fragment->reads_color,
                          .opaque = fragment->opaque,
-                         .has_side_effects = fragment->has_side_effects};
+                         .has_side_effects = fragment->has_side_effects,
+                         .per_sample = fragment->per_sample};
 }
 
 Result<ComputeKernel> compile_compute(const ComputeSource& source) {
@@ -76,6 +77,12 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source) {
   Result<ExecutablePtr> code = finished_executable(std::move(*kernel));
   if (!code) return std::unexpected(code.error());
   return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes, ir::wave_frame((*code)->ir).bytes};
+}
+
+Result<KernelPtr> compile_resolve(VkFormat format, uint32_t samples, VkResolveModeFlagBits mode) {
+  Result<ir::Kernel> kernel = kernels::build_resolve(format, samples, mode);
+  if (!kernel) return std::unexpected(kernel.error());
+  return compile_kernel(std::move(*kernel));
 }
 
 Result<KernelPtr> compile_kernel(ir::Kernel kernel) {

@@ -71,16 +71,41 @@ struct BlendState {                       // of one colour attachment
 };
 
 struct DepthState {
-  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkFormat format = VK_FORMAT_UNDEFINED;  // of the attachment's depth aspect: see aspect_format() in base/format.h
   bool test_enable = false, write_enable = false;
   VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
+  bool bounds_test = false;
+};
+
+struct StencilFace {  // masks and reference are in the DrawContext
+  VkStencilOp fail = VK_STENCIL_OP_KEEP, pass = VK_STENCIL_OP_KEEP, depth_fail = VK_STENCIL_OP_KEEP;
+  VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
+  bool operator==(const StencilFace&) const = default;
+};
+
+struct StencilState {  // the attachment is S8_UINT, or the stencil aspect of a format with both
+  bool test_enable = false;
+  StencilFace front, back;
+  bool writes() const {
+    const auto keeps = [](const StencilFace& f) {
+      return f.fail == VK_STENCIL_OP_KEEP && f.pass == VK_STENCIL_OP_KEEP && f.depth_fail == VK_STENCIL_OP_KEEP;
+    };
+    return test_enable && !(keeps(front) && keeps(back));
+  }
 };
 
 struct FragmentState {
   std::array<BlendState, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
+  std::optional<VkLogicOp> logic_op;
   DepthState depth;
+  StencilState stencil;
   bool depth_clamp = false;
+  uint32_t samples = 1;           // of a pixel: 1, 2, 4, 8 or 16
+  bool equal_samples = true;      // keep the colours of a block once while its samples are equal
+  uint32_t sample_mask = 0xFFFF;  // bit s: sample s may be written
+  bool sample_shading = false;    // the shader runs for each sample; otherwise it decides itself (SampleId ...)
+  bool alpha_to_coverage = false, alpha_to_one = false;
 };
 
 // A VkSamplerYcbcrConversion.
@@ -155,6 +180,7 @@ struct GraphicsKernels {
   bool reads_color = false;       // some attachment's old value matters (blend or partial write mask)
   bool opaque = false;            // a fully covered block replaces every attachment's value, nothing can discard
   bool has_side_effects = false;  // storage writes: nothing may be left out
+  bool per_sample = false;        // with several samples: the kernel takes a FragmentWave for each sample
 };
 
 struct ComputeSource {
@@ -173,6 +199,9 @@ struct ComputeKernel {
 
 Result<GraphicsKernels> compile_graphics(const GraphicsSource& source);
 Result<ComputeKernel> compile_compute(const ComputeSource& source);
+
+// From several samples a pixel to one (raster::Attachment::resolve): `format` is a plain colour, depth or stencil format.
+Result<KernelPtr> compile_resolve(VkFormat format, uint32_t samples, VkResolveModeFlagBits mode);
 
 // Runs passes and back end on a finished kernel (tests, internal kernels).
 Result<KernelPtr> compile_kernel(ir::Kernel kernel);

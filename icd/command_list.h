@@ -111,6 +111,10 @@ struct BlitImage {
   std::span<const VkImageBlit> regions;
   VkFilter filter;
 };
+struct ResolveImage {
+  const Image *source, *destination;
+  std::span<const VkImageResolve> regions;
+};
 struct CopyBufferToImage {
   const Buffer* source;
   const Image* destination;
@@ -162,6 +166,15 @@ struct WriteTimestamp {
   QueryPool* pool;
   uint32_t query;
 };
+struct BeginQuery {
+  QueryPool* pool;
+  uint32_t query;
+};
+struct EndQuery {
+  QueryPool* pool;
+  uint32_t query;
+};
+struct PipelineBarrier {};
 struct CopyQueryPoolResults {
   const QueryPool* pool;
   uint32_t first, count;

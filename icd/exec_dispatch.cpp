@@ -5,6 +5,7 @@
 #include "icd/compute_pipeline.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/query_pool.h"
 
 namespace pineda::icd {
 
@@ -14,6 +15,11 @@ void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> co
   if (!compute_kernel_) {
     device_.lose("a compute pipeline could not be compiled for the images that are bound (its error was reported)");
     return;
+  }
+  if (statistics_.pool) {
+    const auto& size = compute_kernel_->local_size;
+    statistics_.pool->add_compute(statistics_.query,
+                                  uint64_t{count[0]} * count[1] * count[2] * (uint64_t{size[0]} * size[1] * size[2]));
   }
   std::ranges::copy(count, compute_.context.workgroup_count);
   raster::dispatch(device_.pool, {.kernel = compute_kernel_->kernel->handle,

@@ -4,6 +4,7 @@
 #include "icd/buffer.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/query_pool.h"
 #include "icd/render_pass.h"
 
 namespace pineda::icd {
@@ -18,7 +19,8 @@ bool Executor::flush_kernels() {
 bool Executor::flush_packet() {
   const GraphicsState& state = pipeline_->state();
   const Subpass& subpass = begin_->render_pass->subpass(subpass_);
-  bool compatible = state.fragment.color_count == subpass.color_count && state.fragment.depth.format == subpass.depth.format;
+  bool compatible = state.fragment.color_count == subpass.color_count && state.depth_stencil_format == subpass.depth.format &&
+                    (subpass.samples == 0 || subpass.samples == state.fragment.samples);
   for (uint32_t i = 0; compatible && i < subpass.color_count; ++i) {
     compatible = state.fragment.color[i].format == subpass.color[i].format;
   }
@@ -26,6 +28,8 @@ bool Executor::flush_packet() {
     device_.lose("a pipeline was used in a subpass whose attachments have other formats than its own render pass");
     return false;
   }
+  // Without attachments each pipeline may have its own number of samples.
+  if (pass_desc_.samples != state.fragment.samples) split_subpass(state.fragment.samples);
   const DrawContext* context = packet_.context;
   packet_ = {};
   packet_.context = context;
@@ -36,6 +40,7 @@ bool Executor::flush_packet() {
   packet_.early_depth = kernels_->early_depth;
   packet_.opaque = kernels_->opaque;
   packet_.has_side_effects = kernels_->has_side_effects;
+  packet_.per_sample = kernels_->per_sample;
   packet_.topology = state.topology;
   packet_.primitive_restart = state.primitive_restart;
   packet_.viewport = dynamic_.viewport;
@@ -50,6 +55,10 @@ bool Executor::flush_packet() {
   packet_.depth_test = state.fragment.depth.test_enable;
   packet_.depth_write = state.fragment.depth.write_enable;
   packet_.depth_compare = state.fragment.depth.compare;
+  packet_.depth_bounds_test = state.fragment.depth.bounds_test;
+  packet_.stencil_test = state.fragment.stencil.test_enable;
+  packet_.stencil_write = state.fragment.stencil.writes();
+  packet_.samples_passed = occlusion_.pool ? occlusion_.pool->counter(occlusion_.query) : nullptr;
   return true;
 }
 
@@ -69,6 +78,7 @@ void Executor::flush_context(const DrawCall& call) {
   std::ranges::copy(dynamic_.depth_bounds, context.depth_bounds);
   context.depth_range[0][0] = std::min(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
   context.depth_range[0][1] = std::max(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  context.count_samples = occlusion_.pool != nullptr;
   packet_.context = arena_.make(context);
 }
 

@@ -30,6 +30,7 @@ void Executor::reset_state() {
 
 void Executor::run(const CommandBuffer& command_buffer) {
   reset_state();
+  occlusion_ = statistics_ = {};
   walk(command_buffer);
   if (pass_) end_subpass();  // a primary that lacks vkCmdEndRenderPass is invalid, but its draws point into the arena
 }
@@ -55,6 +56,7 @@ void Executor::execute(const CommandHeader& header) {
 void Executor::abandon() {
   pass_.reset();
   begin_ = nullptr;
+  ended_.clear();
 }
 
 // The state of primary and secondary are undefined to each other; only the render pass goes on.

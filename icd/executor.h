@@ -5,7 +5,10 @@
 // into; a draw copies it into the arena when it has changed since the last draw, because draws of a pass run later, together.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "icd/arena.h"
 #include "icd/command_list.h"
@@ -52,8 +55,18 @@ class Executor {
 
   // exec_pass.cpp
   void begin_subpass();
+  void run_pass();
   void end_subpass();
-  void clear_other_layers(const SubpassAttachment& use, const VkClearValue& value);
+  void split_subpass(uint32_t samples);
+  void clear_layers(const SubpassAttachment& use, uint32_t first);
+  void clear_attachment(uint32_t index, const SubpassAttachment& use, const VkClearValue& value,
+                        std::span<const VkClearRect> rects);
+
+  // exec_resolve.cpp
+  const compiler::Kernel* resolve_kernel(VkFormat format, uint32_t samples);
+
+  // exec_query.cpp
+  void finish_queries(const raster::PassStatistics& statistics);
 
   // exec_draw.cpp
   void draw(const DrawCall& call);
@@ -85,7 +98,17 @@ class Executor {
   // Render pass in progress.
   const cmd::BeginRenderPass* begin_ = nullptr;
   uint32_t subpass_ = 0;
+  std::map<std::pair<VkFormat, uint32_t>, compiler::KernelPtr> resolve_kernels_;  // by format and samples
+  raster::PassDesc pass_desc_;
   std::optional<raster::Pass> pass_;
+
+  // Queries that are active; those that have ended and wait for the pass in progress.
+  struct ActiveQuery {
+    QueryPool* pool = nullptr;
+    uint32_t query = 0;
+  };
+  ActiveQuery occlusion_, statistics_;
+  std::vector<ActiveQuery> ended_;
 };
 
 }  // namespace pineda::icd

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "base/format.h"
+#include "base/sample_locations.h"
 #include "icd/limits.h"
 
 namespace pineda::icd {
@@ -76,6 +77,21 @@ VkExtent3D max_extent(const ImageQuery& query) {
 
 }  // namespace
 
+namespace {
+
+// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. Shaders cannot read
+// samples yet.
+VkSampleCountFlags sample_counts(const ImageQuery& query, VkFormatFeatureFlags features) {
+  constexpr VkFormatFeatureFlags kAttachment =
+      VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  constexpr VkImageUsageFlags kRead = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+  const bool plain = query.tiling == VK_IMAGE_TILING_OPTIMAL && query.type == VK_IMAGE_TYPE_2D &&
+                     !(query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT);
+  return plain && (features & kAttachment) && !(query.usage & kRead) ? kSampleCounts : 1;
+}
+
+}  // namespace
+
 VkFormatProperties format_properties(VkFormat format) {
   const FormatInfo* info = find_format(format);
   if (!info) return {};
@@ -109,7 +125,7 @@ VkResult image_format_properties(const ImageQuery& query, VkImageFormatPropertie
   out->maxExtent = max_extent(query);
   out->maxMipLevels = std::bit_width(out->maxExtent.width);
   out->maxArrayLayers = query.type == VK_IMAGE_TYPE_3D ? 1 : kLimits.maxImageArrayLayers;
-  out->sampleCounts = VK_SAMPLE_COUNT_1_BIT;
+  out->sampleCounts = sample_counts(query, features);
   out->maxResourceSize = kMaxImageBytes;
   return VK_SUCCESS;
 }

@@ -1,5 +1,11 @@
 #include "icd/graphics_state.h"
 
+#include <algorithm>
+#include <bit>
+
+#include "base/config.h"
+#include "base/format.h"
+#include "base/sample_locations.h"
 #include "icd/render_pass.h"
 
 namespace pineda::icd {
@@ -68,26 +74,54 @@ void translate_viewport(const VkPipelineViewportStateCreateInfo& info, GraphicsS
   }
 }
 
-VkResult translate_multisample(const VkPipelineMultisampleStateCreateInfo& info, GraphicsState& out) {
-  if (info.rasterizationSamples != VK_SAMPLE_COUNT_1_BIT) return not_supported("vkCreateGraphicsPipelines: one sample a pixel");
-  if (info.sampleShadingEnable || info.alphaToOneEnable || info.alphaToCoverageEnable) {
-    return not_supported("vkCreateGraphicsPipelines: sample shading, alpha to coverage and alpha to one are not supported");
+VkResult translate_multisample(const VkPipelineMultisampleStateCreateInfo& info, const Subpass& subpass, GraphicsState& out) {
+  compiler::FragmentState& fragment = out.fragment;
+  const auto samples = static_cast<uint32_t>(info.rasterizationSamples);
+  if (!std::has_single_bit(samples) || !(samples & kSampleCounts)) {
+    return not_supported("vkCreateGraphicsPipelines: this number of samples is not supported");
   }
-  if (info.pSampleMask && !(info.pSampleMask[0] & 1)) out.rasterizes = false;
+  if (subpass.samples != 0 && subpass.samples != samples) {
+    return not_supported("vkCreateGraphicsPipelines: rasterizationSamples differs from the attachments' samples");
+  }
+  fragment.samples = samples;
+  fragment.equal_samples = !debug(kDebugNoEqualSamples);
+  if (info.pSampleMask) fragment.sample_mask = info.pSampleMask[0] & 0xFFFF;
+  fragment.sample_shading = info.sampleShadingEnable && info.minSampleShading * static_cast<float>(samples) > 1;
+  fragment.alpha_to_coverage = info.alphaToCoverageEnable;
+  fragment.alpha_to_one = info.alphaToOneEnable;
   return VK_SUCCESS;
 }
 
-VkResult translate_depth(const VkPipelineDepthStencilStateCreateInfo& info, const Subpass& subpass, GraphicsState& out) {
-  if (info.depthBoundsTestEnable) return not_supported("vkCreateGraphicsPipelines: depthBounds is not supported");
-  // No format has a stencil aspect: "if there is no stencil framebuffer attachment, the test always passes" and nothing is
-  // written.
+compiler::StencilFace stencil_face(const VkStencilOpState& info) {
+  return {.fail = info.failOp, .pass = info.passOp, .depth_fail = info.depthFailOp, .compare = info.compareOp};
+}
+
+void translate_stencil(const VkPipelineDepthStencilStateCreateInfo& info, GraphicsState& out) {
+  compiler::StencilState& stencil = out.fragment.stencil;
+  stencil.test_enable = true;
+  stencil.front = stencil_face(info.front);
+  stencil.back = stencil_face(info.back);
+  out.values.stencil_compare_mask = {info.front.compareMask, info.back.compareMask};
+  out.values.stencil_write_mask = {info.front.writeMask, info.back.writeMask};
+  out.values.stencil_reference = {info.front.reference, info.back.reference};
+}
+
+// A test without its attachment passes and writes nothing.
+void translate_depth(const VkPipelineDepthStencilStateCreateInfo& info, const Subpass& subpass, GraphicsState& out) {
+  out.depth_stencil_format = subpass.depth.format;
   compiler::DepthState& depth = out.fragment.depth;
-  depth.format = subpass.depth.format;
-  if (depth.format == VK_FORMAT_UNDEFINED || !info.depthTestEnable) return VK_SUCCESS;  // writes need the test, too
-  depth.test_enable = true;
-  depth.write_enable = info.depthWriteEnable;
-  depth.compare = info.depthCompareOp;
-  return VK_SUCCESS;
+  depth.format = aspect_format(subpass.depth.format, VK_IMAGE_ASPECT_DEPTH_BIT);
+  if (depth.format != VK_FORMAT_UNDEFINED) {
+    depth.bounds_test = info.depthBoundsTestEnable;
+    out.values.depth_bounds = {info.minDepthBounds, info.maxDepthBounds};
+    if (info.depthTestEnable) {  // writes need the test, too
+      depth.test_enable = true;
+      depth.write_enable = info.depthWriteEnable;
+      depth.compare = info.depthCompareOp;
+    }
+  }
+  const bool has_stencil = aspect_format(subpass.depth.format, VK_IMAGE_ASPECT_STENCIL_BIT) != VK_FORMAT_UNDEFINED;
+  if (has_stencil && info.stencilTestEnable) translate_stencil(info, out);
 }
 
 void translate_attachment(const VkPipelineColorBlendAttachmentState& info, compiler::BlendState& out) {
@@ -105,7 +139,7 @@ void translate_attachment(const VkPipelineColorBlendAttachmentState& info, compi
 VkResult translate_blend(const VkPipelineColorBlendStateCreateInfo* info, const Subpass& subpass, GraphicsState& out) {
   out.fragment.color_count = subpass.color_count;
   if (subpass.color_count > 0 && !info) return not_supported("vkCreateGraphicsPipelines: no colour blend state");
-  if (info && info->logicOpEnable) return not_supported("vkCreateGraphicsPipelines: logicOp is not supported");
+  if (info && info->logicOpEnable) out.fragment.logic_op = info->logicOp;
   for (uint32_t i = 0; i < subpass.color_count; ++i) {
     compiler::BlendState& attachment = out.fragment.color[i];
     attachment.format = subpass.color[i].format;  // UNDEFINED for VK_ATTACHMENT_UNUSED
@@ -140,10 +174,8 @@ VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, Grap
   if (result == VK_SUCCESS) result = translate_rasterization(*info.pRasterizationState, *out);
   if (result != VK_SUCCESS || info.pRasterizationState->rasterizerDiscardEnable) return result;
   translate_viewport(*info.pViewportState, *out);
-  result = translate_multisample(*info.pMultisampleState, *out);
-  if (result == VK_SUCCESS && subpass.depth.format != VK_FORMAT_UNDEFINED) {
-    result = translate_depth(*info.pDepthStencilState, subpass, *out);
-  }
+  result = translate_multisample(*info.pMultisampleState, subpass, *out);
+  if (subpass.depth.format != VK_FORMAT_UNDEFINED) translate_depth(*info.pDepthStencilState, subpass, *out);
   if (result == VK_SUCCESS) result = translate_blend(subpass.color_count > 0 ? info.pColorBlendState : nullptr, subpass, *out);
   return result;
 }

@@ -30,7 +30,8 @@ struct GraphicsState {
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   VkFrontFace front_face = VK_FRONT_FACE_COUNTER_CLOCKWISE;
   bool depth_clip = true, depth_bias = false;
-  bool rasterizes = true;  // false: rasterizerDiscardEnable, or a sample mask without the only sample
+  VkFormat depth_stencil_format = VK_FORMAT_UNDEFINED;  // of the attachment
+  bool rasterizes = true;                               // false: rasterizerDiscardEnable
 };
 
 VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out);

@@ -184,6 +184,8 @@ raster::Attachment ImageView::plane_attachment(const ImagePlane& plane, VkFormat
       layers_are_slices_ ? image_.subresource(plane, base_level_, 0, index) : image_.subresource(plane, base_level_, index);
   attachment.row_pitch_bytes = plane.layout.level[base_level_].row_pitch_bytes;
   attachment.format = format;
+  attachment.samples = image_.sample_count;
+  attachment.sample_pitch_bytes = plane.layout.level[base_level_].slice_pitch_bytes;
   return attachment;
 }
 

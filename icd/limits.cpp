@@ -3,6 +3,7 @@
 #include "icd/limits.h"
 
 #include "base/abi.h"
+#include "base/sample_locations.h"
 
 namespace pineda::icd {
 
@@ -10,7 +11,10 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .robustBufferAccess = VK_TRUE,   // each access is checked in the IR (ir.h, `limit` operand), whether enabled or not
     .fullDrawIndexUint32 = VK_TRUE,  // indices are never narrowed
     .imageCubeArray = VK_TRUE,
-    .independentBlend = VK_TRUE,   // blend state is part of the kernel, for each attachment
+    .independentBlend = VK_TRUE,     // blend state is part of the kernel, for each attachment
+    .sampleRateShading = VK_TRUE,
+    .dualSrcBlend = VK_TRUE,
+    .logicOp = VK_TRUE,
     .multiDrawIndirect = VK_TRUE,  // a loop in exec_draw.cpp
     .drawIndirectFirstInstance = VK_TRUE,
     .depthClamp = VK_TRUE,
@@ -19,6 +23,10 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .textureCompressionETC2 = VK_TRUE,  // icd/decode.h
     .textureCompressionASTC_LDR = VK_TRUE,
     .textureCompressionBC = VK_TRUE,
+    .depthBounds = VK_TRUE,
+    .alphaToOne = VK_TRUE,
+    .occlusionQueryPrecise = VK_TRUE,  // every occlusion query counts samples
+    .pipelineStatisticsQuery = VK_TRUE,
     .fragmentStoresAndAtomics = VK_TRUE,  // helper and uncovered lanes have no effects
     .shaderImageGatherExtended = VK_TRUE,
     .shaderStorageImageExtendedFormats = VK_TRUE,    // every plain format of the table
@@ -71,7 +79,7 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxVertexOutputComponents = 128,
     .maxFragmentInputComponents = 128,
     .maxFragmentOutputAttachments = kMaxColorAttachments,
-    .maxFragmentDualSrcAttachments = 0,
+    .maxFragmentDualSrcAttachments = 1,
     .maxFragmentCombinedOutputResources = 216,
     .maxComputeSharedMemorySize = 65536,
     .maxComputeWorkGroupCount = {65535, 65535, 65535},
@@ -99,10 +107,10 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxFramebufferWidth = 16384,
     .maxFramebufferHeight = 16384,
     .maxFramebufferLayers = 2048,
-    .framebufferColorSampleCounts = VK_SAMPLE_COUNT_1_BIT,
-    .framebufferDepthSampleCounts = VK_SAMPLE_COUNT_1_BIT,
-    .framebufferStencilSampleCounts = VK_SAMPLE_COUNT_1_BIT,
-    .framebufferNoAttachmentsSampleCounts = VK_SAMPLE_COUNT_1_BIT,
+    .framebufferColorSampleCounts = kSampleCounts,
+    .framebufferDepthSampleCounts = kSampleCounts,
+    .framebufferStencilSampleCounts = kSampleCounts,
+    .framebufferNoAttachmentsSampleCounts = kSampleCounts,
     .maxColorAttachments = kMaxColorAttachments,
     .sampledImageColorSampleCounts = VK_SAMPLE_COUNT_1_BIT,
     .sampledImageIntegerSampleCounts = VK_SAMPLE_COUNT_1_BIT,

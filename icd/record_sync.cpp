@@ -7,10 +7,14 @@
 
 namespace pineda::icd {
 
-// Commands execute one after another and memory is coherent: every dependency holds without a command.
-void api::CmdPipelineBarrier(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags, uint32_t,
+// Commands execute one after another and memory is coherent: every dependency holds without a command, but for what a render pass
+// keeps in tiles.
+void api::CmdPipelineBarrier(VkCommandBuffer handle, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags, uint32_t,
                              const VkMemoryBarrier*, uint32_t, const VkBufferMemoryBarrier*, uint32_t,
-                             const VkImageMemoryBarrier*) {}
+                             const VkImageMemoryBarrier*) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] { cb.append(cmd::PipelineBarrier{}); });
+}
 
 void api::CmdSetEvent(VkCommandBuffer handle, VkEvent event, VkPipelineStageFlags) {
   CommandBuffer& cb = *from(handle);
@@ -33,12 +37,14 @@ void api::CmdWaitEvents(VkCommandBuffer handle, uint32_t count, const VkEvent* e
   });
 }
 
-void api::CmdBeginQuery(VkCommandBuffer handle, VkQueryPool, uint32_t, VkQueryControlFlags) {
-  from(handle)->fail(not_supported("vkCmdBeginQuery: only timestamp queries are supported"));
+void api::CmdBeginQuery(VkCommandBuffer handle, VkQueryPool pool, uint32_t query, VkQueryControlFlags) {
+  CommandBuffer& cb = *from(handle);  // every count is precise
+  cb.record([&] { cb.append(cmd::BeginQuery{from(pool), query}); });
 }
 
-void api::CmdEndQuery(VkCommandBuffer handle, VkQueryPool, uint32_t) {
-  from(handle)->fail(not_supported("vkCmdEndQuery: only timestamp queries are supported"));
+void api::CmdEndQuery(VkCommandBuffer handle, VkQueryPool pool, uint32_t query) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] { cb.append(cmd::EndQuery{from(pool), query}); });
 }
 
 void api::CmdResetQueryPool(VkCommandBuffer handle, VkQueryPool pool, uint32_t first, uint32_t count) {

@@ -103,10 +103,13 @@ void api::CmdClearDepthStencilImage(VkCommandBuffer handle, VkImage image, VkIma
   });
 }
 
-// The source of a resolve has more than one sample; vkCreateImage makes no such image.
-void api::CmdResolveImage(VkCommandBuffer handle, VkImage, VkImageLayout, VkImage, VkImageLayout, uint32_t,
-                          const VkImageResolve*) {
-  from(handle)->fail(not_supported("vkCmdResolveImage: multisampled images are not supported"));
+void api::CmdResolveImage(VkCommandBuffer handle, VkImage source, VkImageLayout, VkImage destination, VkImageLayout,
+                          uint32_t count, const VkImageResolve* regions) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::ResolveImage{from(source), from(destination), cb.copy(regions, count)});
+    cb.add_cost(from(source)->size_bytes() / cost::kBytesPer_ns);
+  });
 }
 
 }  // namespace pineda::icd

@@ -1,37 +1,106 @@
 #include "icd/render_pass.h"
 
+#include <algorithm>
+#include <bit>
 #include <span>
+#include <stdexcept>
 
 #include "base/format.h"
+#include "base/sample_locations.h"
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/device.h"
 #include "icd/render_pass_info.h"
 
 namespace pineda::icd {
 namespace {
 
+const VkSubpassDescriptionDepthStencilResolve* depth_resolve(const VkSubpassDescription2& subpass) {
+  const auto* found = find_in_chain<VkSubpassDescriptionDepthStencilResolve>(
+      subpass.pNext, VK_STRUCTURE_TYPE_SUBPASS_DESCRIPTION_DEPTH_STENCIL_RESOLVE);
+  const bool used =
+      found && found->pDepthStencilResolveAttachment && found->pDepthStencilResolveAttachment->attachment != VK_ATTACHMENT_UNUSED;
+  return used ? found : nullptr;
+}
+
+// Calls f(attachment index) for every reference of the subpass that is used.
+template <typename F>
+void for_references(const VkSubpassDescription2& subpass, const F& f) {
+  const auto visit = [&](const VkAttachmentReference2* references, uint32_t count) {
+    for (uint32_t i = 0; references && i < count; ++i) {
+      if (references[i].attachment != VK_ATTACHMENT_UNUSED) f(references[i].attachment);
+    }
+  };
+  visit(subpass.pInputAttachments, subpass.inputAttachmentCount);
+  visit(subpass.pColorAttachments, subpass.colorAttachmentCount);
+  visit(subpass.pResolveAttachments, subpass.colorAttachmentCount);
+  visit(subpass.pDepthStencilAttachment, 1);
+  if (const auto* resolve = depth_resolve(subpass)) visit(resolve->pDepthStencilResolveAttachment, 1);
+}
+
 VkResult check_subpass(const VkRenderPassCreateInfo2& info, const VkSubpassDescription2& subpass) {
   if (subpass.pipelineBindPoint != VK_PIPELINE_BIND_POINT_GRAPHICS)
     return not_supported("vkCreateRenderPass: bind point is not graphics");
   if (subpass.colorAttachmentCount > kMaxColorAttachments)
     return not_supported("vkCreateRenderPass: more than 8 colour attachments");
-  const auto known = [&](uint32_t index) { return index == VK_ATTACHMENT_UNUSED || index < info.attachmentCount; };
-  for (uint32_t i = 0; i < subpass.inputAttachmentCount; ++i) {
-    if (subpass.pInputAttachments[i].attachment != VK_ATTACHMENT_UNUSED) {
-      return not_supported("vkCreateRenderPass: input attachments are not supported");
-    }
-  }
-  for (uint32_t i = 0; i < subpass.colorAttachmentCount; ++i) {
-    if (!known(subpass.pColorAttachments[i].attachment))
-      return not_supported("vkCreateRenderPass: colour attachment index out of range");
-    if (subpass.pResolveAttachments && subpass.pResolveAttachments[i].attachment != VK_ATTACHMENT_UNUSED) {
-      return not_supported("vkCreateRenderPass: resolve attachments are not supported (images have one sample)");
-    }
-  }
-  if (subpass.pDepthStencilAttachment && !known(subpass.pDepthStencilAttachment->attachment)) {
-    return not_supported("vkCreateRenderPass: depth attachment index out of range");
-  }
+  bool known = true;
+  for_references(subpass, [&](uint32_t index) { known &= index < info.attachmentCount; });
+  if (!known) return not_supported("vkCreateRenderPass: an attachment's index is out of range");
+  // "All attachments ... that are not VK_ATTACHMENT_UNUSED must have the same sample count"
+  uint32_t samples = 0;
+  const auto same_samples = [&](const VkAttachmentReference2* reference) {
+    if (!reference || reference->attachment == VK_ATTACHMENT_UNUSED) return true;
+    const auto own = static_cast<uint32_t>(info.pAttachments[reference->attachment].samples);
+    const bool same = samples == 0 || samples == own;
+    samples = own;
+    return same;
+  };
+  bool same = same_samples(subpass.pDepthStencilAttachment);
+  for (uint32_t i = 0; i < subpass.colorAttachmentCount; ++i) same &= same_samples(&subpass.pColorAttachments[i]);
+  if (!same) return not_supported("vkCreateRenderPass: attachments of one subpass have different numbers of samples");
   return VK_SUCCESS;
+}
+
+SubpassAttachment reference(const VkRenderPassCreateInfo2& info, const VkAttachmentReference2* from) {
+  SubpassAttachment to;
+  if (!from || from->attachment == VK_ATTACHMENT_UNUSED) return to;
+  to.index = from->attachment;
+  to.format = info.pAttachments[to.index].format;
+  return to;
+}
+
+compiler::KernelPtr resolve_kernel(VkFormat format, uint32_t samples, VkResolveModeFlagBits mode) {
+  if (format == VK_FORMAT_UNDEFINED || mode == VK_RESOLVE_MODE_NONE) return nullptr;
+  Result<compiler::KernelPtr> kernel = compiler::compile_resolve(format, samples, mode);
+  if (!kernel) throw std::runtime_error("vkCreateRenderPass: " + kernel.error().text);
+  return *kernel;
+}
+
+void add_resolves(const VkSubpassDescription2& description, Subpass& subpass) {
+  for (uint32_t i = 0; description.pResolveAttachments && i < description.colorAttachmentCount; ++i) {
+    SubpassAttachment& color = subpass.color[i];
+    color.resolve_index = description.pResolveAttachments[i].attachment;
+    if (color.resolve_index == VK_ATTACHMENT_UNUSED || color.index == VK_ATTACHMENT_UNUSED) continue;
+    color.resolve = resolve_kernel(color.format, subpass.samples, VK_RESOLVE_MODE_AVERAGE_BIT);
+  }
+  const auto* resolve = depth_resolve(description);
+  if (!resolve || subpass.depth.index == VK_ATTACHMENT_UNUSED) return;
+  subpass.depth.resolve_index = resolve->pDepthStencilResolveAttachment->attachment;
+  const VkFormat format = subpass.depth.format;
+  subpass.depth.resolve =
+      resolve_kernel(aspect_format(format, VK_IMAGE_ASPECT_DEPTH_BIT), subpass.samples, resolve->depthResolveMode);
+  subpass.depth.stencil_resolve =
+      resolve_kernel(aspect_format(format, VK_IMAGE_ASPECT_STENCIL_BIT), subpass.samples, resolve->stencilResolveMode);
+}
+
+bool draws_to(const Subpass& subpass, uint32_t index) {
+  const auto is = [&](const SubpassAttachment& use) { return use.index == index; };
+  return is(subpass.depth) || std::any_of(subpass.color.begin(), subpass.color.begin() + subpass.color_count, is);
+}
+
+bool reads(const VkSubpassDescription2& subpass, uint32_t index) {
+  return std::any_of(subpass.pInputAttachments, subpass.pInputAttachments + subpass.inputAttachmentCount,
+                     [&](const VkAttachmentReference2& r) { return r.attachment == index; });
 }
 
 }  // namespace
@@ -39,7 +108,10 @@ VkResult check_subpass(const VkRenderPassCreateInfo2& info, const VkSubpassDescr
 VkResult RenderPass::check(Device&, const VkRenderPassCreateInfo2& info) {
   for (uint32_t i = 0; i < info.attachmentCount; ++i) {
     const VkAttachmentDescription2& attachment = info.pAttachments[i];
-    if (attachment.samples != VK_SAMPLE_COUNT_1_BIT) return not_supported("vkCreateRenderPass: attachments have one sample");
+    const auto samples = static_cast<uint32_t>(attachment.samples);
+    if (!std::has_single_bit(samples) || !(samples & kSampleCounts)) {
+      return not_supported("vkCreateRenderPass: an attachment has a number of samples that is not supported");
+    }
     const FormatInfo* format = find_format(attachment.format);
     if (!format || !(format->uses & (kUseColor | kUseDepth))) {
       return not_supported("vkCreateRenderPass: format " + std::to_string(attachment.format) + " cannot be an attachment");
@@ -53,33 +125,57 @@ VkResult RenderPass::check(Device&, const VkRenderPassCreateInfo2& info) {
 
 RenderPass::RenderPass(const Allocator& from, Device&, const VkRenderPassCreateInfo2& info)
     : Object(from), attachment_count_(info.attachmentCount), subpasses_(info.subpassCount, HostAllocator<Subpass>(&allocator)) {
-  const auto reference = [&](SubpassAttachment& to, uint32_t index) {
-    to.index = index;
-    if (index != VK_ATTACHMENT_UNUSED) to.format = info.pAttachments[index].format;
-  };
   for (uint32_t s = 0; s < info.subpassCount; ++s) {
     const VkSubpassDescription2& description = info.pSubpasses[s];
-    subpasses_[s].view_mask = description.viewMask;
-    subpasses_[s].color_count = description.colorAttachmentCount;
-    for (uint32_t i = 0; i < description.colorAttachmentCount; ++i) {
-      reference(subpasses_[s].color[i], description.pColorAttachments[i].attachment);
+    Subpass& subpass = subpasses_[s];
+    subpass.view_mask = description.viewMask;
+    subpass.color_count = description.colorAttachmentCount;
+    for (uint32_t i = 0; i < subpass.color_count; ++i) subpass.color[i] = reference(info, &description.pColorAttachments[i]);
+    subpass.depth = reference(info, description.pDepthStencilAttachment);
+    for (uint32_t i = 0; i < info.attachmentCount; ++i) {
+      if (!draws_to(subpass, i)) continue;
+      subpass.samples = static_cast<uint32_t>(info.pAttachments[i].samples);
+      subpass.reads_own_output |= reads(description, i);
     }
-    if (description.pDepthStencilAttachment) reference(subpasses_[s].depth, description.pDepthStencilAttachment->attachment);
+    add_resolves(description, subpass);
   }
-  // First and last use of each attachment.
-  for (uint32_t index = 0; index < info.attachmentCount; ++index) {
-    SubpassAttachment* last = nullptr;
+  for (uint32_t index = 0; index < info.attachmentCount; ++index) set_operations(info, index);
+}
+
+// The attachment's first use loads, its last one stores. A resolve replaces everything in the render area, so it loads nothing,
+// and is always stored.
+void RenderPass::set_operations(const VkRenderPassCreateInfo2& info, uint32_t index) {
+  const VkAttachmentDescription2& attachment = info.pAttachments[index];
+  SubpassAttachment* last = nullptr;
+  bool used = false;
+  for (uint32_t s = 0; s < info.subpassCount; ++s) {
+    Subpass& subpass = subpasses_[s];
+    bool in_subpass = false;
+    for_references(info.pSubpasses[s], [&](uint32_t i) { in_subpass |= i == index; });
+    if (!in_subpass) continue;
+    const bool first = !used, is_read = reads(info.pSubpasses[s], index);
+    used = true;
+    if (first && is_read) {
+      SubpassAttachment cleared{.index = index, .format = attachment.format};
+      cleared.load = attachment.loadOp;
+      cleared.stencil_load = attachment.stencilLoadOp;
+      subpass.cleared_first.push_back(cleared);
+    }
     const auto visit = [&](SubpassAttachment& use) {
       if (use.index != index) return;
-      if (!last) use.load = info.pAttachments[index].loadOp;
+      if (first && !is_read) {
+        use.load = attachment.loadOp;
+        use.stencil_load = attachment.stencilLoadOp;
+      }
       last = &use;
     };
-    for (Subpass& subpass : subpasses_) {
-      for (SubpassAttachment& use : std::span(subpass.color).first(subpass.color_count)) visit(use);
-      visit(subpass.depth);
-    }
-    if (last) last->store = info.pAttachments[index].storeOp;
+    if (is_read || !draws_to(subpass, index)) last = nullptr;  // a later read or resolve: what was drawn before stays in memory
+    for (SubpassAttachment& use : std::span(subpass.color).first(subpass.color_count)) visit(use);
+    visit(subpass.depth);
   }
+  if (!last) return;
+  last->store = attachment.storeOp;
+  last->stencil_store = attachment.stencilStoreOp;
 }
 
 VkResult api::CreateRenderPass2KHR(VkDevice device, const VkRenderPassCreateInfo2* info, const VkAllocationCallbacks* callbacks,

@@ -1,9 +1,11 @@
-// VkRenderPass: for each subpass, which attachments it draws to and what happens to their contents before and after.
+// VkRenderPass: for each subpass, which attachments it draws to and reads, and what happens to their contents before and after.
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "base/abi.h"
+#include "compiler/compile.h"
 #include "icd/object.h"
 
 namespace pineda::icd {
@@ -13,15 +15,22 @@ namespace pineda::icd {
 struct SubpassAttachment {
   uint32_t index = VK_ATTACHMENT_UNUSED;  // into the framebuffer's views and the clear values
   VkFormat format = VK_FORMAT_UNDEFINED;
-  VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
-  VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE;
+  VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD, stencil_load = VK_ATTACHMENT_LOAD_OP_LOAD;
+  VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE, stencil_store = VK_ATTACHMENT_STORE_OP_STORE;
+  // Where the samples are resolved to, and how; of a colour, `resolve`.
+  uint32_t resolve_index = VK_ATTACHMENT_UNUSED;
+  compiler::KernelPtr resolve, stencil_resolve;
 };
 
 struct Subpass {
   std::array<SubpassAttachment, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
-  SubpassAttachment depth;
-  uint32_t view_mask = 0;  // 0: no multiview
+  SubpassAttachment depth;        // and stencil
+  uint32_t view_mask = 0;         // 0: no multiview
+  uint32_t samples = 0;           // 0: no attachment, the pipelines decide
+  bool reads_own_output = false;  // an input attachment is drawn to as well
+  // Attachments whose first use is to be read, or both read and drawn to: their clears are done before the subpass.
+  std::vector<SubpassAttachment> cleared_first;
 };
 
 class RenderPass : public Object {
@@ -34,6 +43,8 @@ class RenderPass : public Object {
   const Subpass& subpass(uint32_t index) const { return subpasses_[index]; }
 
  private:
+  void set_operations(const VkRenderPassCreateInfo2& info, uint32_t index);
+
   uint32_t attachment_count_;
   HostVector<Subpass> subpasses_;
 };

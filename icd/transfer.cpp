@@ -63,8 +63,9 @@ void fill_attachment(raster::ThreadPool& pool, const raster::Attachment& attachm
       attachment.address + uint64_t(rect.offset.y) * attachment.row_pitch_bytes + uint64_t(rect.offset.x) * format.texel_bytes;
   fill.row_bytes = uint64_t(rect.extent.width) * format.texel_bytes;
   fill.rows = rect.extent.height;
-  fill.slices = 1;
+  fill.slices = attachment.samples;
   fill.row_pitch = attachment.row_pitch_bytes;
+  fill.slice_pitch = attachment.sample_pitch_bytes;
   raster::fill_rows(pool, fill);
 }
 

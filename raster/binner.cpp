@@ -1,6 +1,6 @@
 #include "raster/binner.h"
 
-#include "raster/coverage.h"
+#include "raster/coverage_samples.h"
 
 namespace pineda::raster {
 
@@ -20,6 +20,19 @@ inline void Binner::push(const Draw& draw, uint32_t tile, uint32_t index, bool c
   pairs_.push_back({tile, index | (covers ? kEntryCovers : 0)});
 }
 
+namespace {
+
+TileCover tile_cover(const TileGrid& grid, const Triangle& triangle, int32_t x_px, int32_t y_px) {
+  if (grid.samples > 1) {
+    SampleEdges edges;
+    return make_sample_edges(triangle, x_px, y_px, grid.tile_px, grid.samples, edges);
+  }
+  TileEdges edges;
+  return make_tile_edges(triangle, x_px, y_px, grid.tile_px, edges);
+}
+
+}  // namespace
+
 void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds) {
   const uint32_t shift = grid_->shift;
   const uint32_t x0 = static_cast<uint32_t>(bounds.x0) >> shift, x1 = static_cast<uint32_t>(bounds.x1 - 1) >> shift;
@@ -30,9 +43,7 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
   }
   for (uint32_t y = y0; y <= y1; ++y) {
     for (uint32_t x = x0; x <= x1; ++x) {
-      TileEdges edges;
-      const TileCover cover =
-          make_tile_edges(triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift), grid_->tile_px, edges);
+      const TileCover cover = tile_cover(*grid_, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
       if (cover == TileCover::kNone) continue;
       const uint32_t tile = y * grid_->columns + x;
       push(draw, tile, index, cover == TileCover::kFull && draw.rect.contains(grid_->rect(tile)));

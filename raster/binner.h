@@ -14,7 +14,8 @@ struct TileGrid {
   int32_t tile_px = 64;
   uint32_t shift = 6;  // log2(tile_px)
   uint32_t columns = 0, rows = 0;
-  Rect area;  // pixels of the render area inside the framebuffer
+  uint32_t samples = 1;  // of a pixel
+  Rect area;             // pixels of the render area inside the framebuffer
 
   uint32_t count() const { return columns * rows; }
   Rect rect(uint32_t tile) const {  // the tile's pixels in the render area

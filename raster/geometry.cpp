@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "raster/assemble.h"
-#include "raster/coverage.h"
+#include "raster/coverage_samples.h"
 #include "raster/depth_bias.h"
 
 namespace pineda::raster {
@@ -25,7 +25,8 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
   // counter-clockwise.
   const int64_t area = int64_t{x1 - x0} * (y2 - y0) - int64_t{y1 - y0} * (x2 - x0);
   const bool front = (area < 0) == (draw.packet.front_face == VK_FRONT_FACE_COUNTER_CLOCKWISE);
-  const Rect bounds = intersect(pixel_bounds(x0, x1, x2, y0, y1, y2), draw.rect_at(view.viewport));
+  const Rect box = draw.samples > 1 ? touched_bounds(x0, x1, x2, y0, y1, y2) : pixel_bounds(x0, x1, x2, y0, y1, y2);
+  const Rect bounds = intersect(box, draw.rect_at(view.viewport));
   if (area == 0 || (facing != 0 && (area < 0) != (facing < 0)) || is_culled(draw.packet, front) || bounds.empty()) {
     ++statistics.triangles_culled;
     return;
@@ -58,7 +59,7 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
 }
 
 void GeometryWorker::bin(const Draw& draw, const BatchView& view, const Triangle& record) {
-  const Rect bounds = intersect(pixel_rect(record), draw.rect_at(view.viewport));
+  const Rect bounds = intersect(draw.samples > 1 ? touched_rect(record) : pixel_rect(record), draw.rect_at(view.viewport));
   if (bounds.empty()) {
     ++statistics.triangles_culled;
     return;

@@ -152,7 +152,7 @@ struct Draw {
   DrawPacket packet;
   PrimitiveKind kind = PrimitiveKind::kTriangle;
   ViewportTransform viewport;
-  Rect rect;  // pixels that may be drawn: scissor, render area, framebuffer
+  Rect rect;                                 // pixels that may be drawn: scissor, render area, framebuffer
   std::vector<ViewportTransform> viewports;  // of all viewports and their rectangles, when there are several
   std::vector<Rect> rects;
   const ViewportTransform& viewport_at(uint32_t i) const { return i == 0 ? viewport : viewports[i]; }
@@ -161,12 +161,13 @@ struct Draw {
   std::vector<RestartPrimitive> restart_prims;  // when restart is on
   HiZMode hi_z = HiZMode::kNone;
   VkFormat depth_format = VK_FORMAT_UNDEFINED;  // of the pass, for depth bias
+  uint32_t samples = 1;                         // of a pixel
   bool writes_depth = false;
   bool can_cover = false;     // a full cover of a tile makes earlier work invisible
   bool blocks_cover = false;  // its work is visible whatever comes later (side effects, depth)
   // vkCmdClearAttachments instead of a draw
   bool is_clear = false;
-  uint32_t clear_attachment = 0;
+  uint32_t clear_slot = 0;  // Scene::attachments
   std::array<uint8_t, 16> clear_texel{};
   std::vector<Rect> clear_rects;
 };
@@ -215,6 +216,12 @@ inline Rect pixel_bounds(int32_t x0, int32_t x1, int32_t x2, int32_t y0, int32_t
   constexpr int32_t kBelowHalf = kSubpixels / 2 - 1;
   return {(std::min(std::min(x0, x1), x2) + kBelowHalf) >> 8, (std::min(std::min(y0, y1), y2) + kBelowHalf) >> 8,
           (std::max(std::max(x0, x1), x2) + kBelowHalf) >> 8, (std::max(std::max(y0, y1), y2) + kBelowHalf) >> 8};
+}
+
+// Pixels that may have a sample inside the box, wherever in the pixel samples lie.
+inline Rect touched_bounds(int32_t x0, int32_t x1, int32_t x2, int32_t y0, int32_t y1, int32_t y2) {
+  return {std::min(std::min(x0, x1), x2) >> 8, std::min(std::min(y0, y1), y2) >> 8, (std::max(std::max(x0, x1), x2) >> 8) + 1,
+          (std::max(std::max(y0, y1), y2) >> 8) + 1};
 }
 
 // The triangles of one chunk that touch one tile.

@@ -15,24 +15,26 @@ namespace {
 constexpr float kMargin = 0x1p-19f;     // twice the bound of the header, and its own rounding
 constexpr float kFixedPointMargin = 4;  // steps of a fixed-point depth: rounding to it, by the kernel and here
 
-// Largest of 16 numbers; NaN count for nothing (no comparison with them passes).
-float largest(const float* v, bool negate) {
+// Largest of `count` numbers, a multiple of 16; NaN count for nothing (no comparison with them passes).
+float largest(const float* v, uint32_t count, bool negate) {
   const __m128 sign = negate ? _mm_set1_ps(-0.0f) : _mm_setzero_ps();
   __m128 m = _mm_set1_ps(-std::numeric_limits<float>::infinity());
-  for (int i = 0; i < 16; i += 4)
-    m = _mm_max_ps(_mm_xor_ps(_mm_load_ps(v + i), sign), m);  // maxps gives its second operand for NaN
+  for (uint32_t first = 0; first < count; first += kLanes) {
+    for (uint32_t i = first; i < first + kLanes; i += 4)
+      m = _mm_max_ps(_mm_xor_ps(_mm_load_ps(v + i), sign), m);  // maxps gives its second operand for NaN
+  }
   m = _mm_max_ps(m, _mm_movehl_ps(m, m));
   m = _mm_max_ss(m, _mm_shuffle_ps(m, m, 1));
   return _mm_cvtss_f32(m);
 }
 
 template <class T>
-float largest_fixed(const uint8_t* block, uint32_t bits, bool negate) {
+float largest_fixed(const uint8_t* texels, uint32_t count, uint32_t bits, bool negate) {
   const uint32_t all = (1u << bits) - 1;
   uint32_t low = all, high = 0;
-  for (uint32_t i = 0; i < kLanes; ++i) {
+  for (uint32_t i = 0; i < count; ++i) {
     T v;
-    std::memcpy(&v, block + i * sizeof(T), sizeof(T));
+    std::memcpy(&v, texels + i * sizeof(T), sizeof(T));
     low = std::min(low, v & all);
     high = std::max(high, v & all);
   }
@@ -66,7 +68,9 @@ inline SignedDepth signed_depth(const FragmentPrim& prim, const Draw& draw, cons
   d.x = static_cast<float>(tile.x_px) + 0.5f - prim.x0_px;
   d.y = static_cast<float>(tile.y_px) + 0.5f - prim.y0_px;
   const auto last = static_cast<float>(tile.size_px - 1);
-  const float far_x = std::max(std::fabs(d.x), std::fabs(d.x + last)), far_y = std::max(std::fabs(d.y), std::fabs(d.y + last));
+  const float half = draw.samples > 1 ? 0.5f : 0.0f;  // from a pixel's centre to its samples
+  const float far_x = std::max(std::fabs(d.x), std::fabs(d.x + last)) + half;
+  const float far_y = std::max(std::fabs(d.y), std::fabs(d.y + last)) + half;
   const float s1 = std::fabs(prim.l1_dx) * far_x + std::fabs(prim.l1_dy) * far_y;
   const float s2 = std::fabs(prim.l2_dx) * far_x + std::fabs(prim.l2_dy) * far_y;
   d.margin = kMargin * (std::fabs(d.z0) + (1 + s1) * std::fabs(d.dz1) + (1 + s2) * std::fabs(d.dz2));
@@ -88,6 +92,7 @@ TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const T
   TriangleDepth depth;
   depth.least = least(d);
   depth.at_origin = d.z0 + zx * d.x + zy * d.y + kLast * (std::min(zx, 0.0f) + std::min(zy, 0.0f)) - d.margin;
+  if (draw.samples > 1) depth.at_origin -= 0.5f * (std::fabs(zx) + std::fabs(zy));
   depth.dx_block = zx * kBlockDim;
   depth.dy_block = zy * kBlockDim;
   depth.ceiling = ceiling(d, draw.packet.viewport);
@@ -100,7 +105,8 @@ float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition
   return z > limit ? limit : z;  // a NaN stays and hides nothing
 }
 
-void HiZ::begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, bool uniform) {
+void HiZ::begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, uint32_t samples, bool uniform) {
+  samples_ = samples;
   format_ = format;
   depth_ = depth_buffer;
   macros_ = static_cast<uint32_t>(size_px * size_px) / 256;
@@ -137,17 +143,18 @@ void HiZ::flushed() {
 }
 
 void HiZ::refresh(uint32_t block) {
-  const uint8_t* texels = depth_ + block * kLanes * depth_bytes(format_);
+  const uint32_t count = kLanes * samples_;
+  const uint8_t* texels = depth_ + size_t{block} * count * depth_bytes(format_);
   const bool negate = direction_ == HiZMode::kGreater;
   switch (format_) {
     case VK_FORMAT_D32_SFLOAT:
-      farthest_[block] = largest(reinterpret_cast<const float*>(texels), negate);
+      farthest_[block] = largest(reinterpret_cast<const float*>(texels), count, negate);
       break;
     case VK_FORMAT_D16_UNORM:
-      farthest_[block] = largest_fixed<uint16_t>(texels, 16, negate);
+      farthest_[block] = largest_fixed<uint16_t>(texels, count, 16, negate);
       break;
     default:
-      farthest_[block] = largest_fixed<uint32_t>(texels, 24, negate);
+      farthest_[block] = largest_fixed<uint32_t>(texels, count, 24, negate);
       break;
   }
 }

@@ -8,7 +8,8 @@
 //     z = z0 + l1 * dz1 + l2 * dz2
 // With S_i = |l_i_dx| * |x - x0| + |l_i_dy| * |y - y0|, all its roundings together stay below
 //     8 * 2^-24 * (|z0| + (1 + S_1) |dz1| + (1 + S_2) |dz2|)
-// and the plane below has as many again.
+// and the plane below has as many again. With several samples a pixel a block's bound is that of all its samples, whose depths
+// have two roundings more, and the plane is bounded over whole pixels.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition
 class HiZ {
  public:
   // `uniform`: every depth of the buffer is the same (a cleared tile).
-  void begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, bool uniform);
+  void begin_tile(VkFormat format, const uint8_t* depth_buffer, int32_t size_px, uint32_t samples, bool uniform);
   // Before the first triangle of a draw; no wave may be queued.
   void begin_draw(const Draw& draw);
   // After the depth buffer was changed by something else than a wave.
@@ -57,6 +58,7 @@ class HiZ {
   VkFormat format_ = VK_FORMAT_UNDEFINED;
   const uint8_t* depth_ = nullptr;
   uint32_t macros_ = 0;
+  uint32_t samples_ = 1;
   bool uniform_ = false;
   HiZMode direction_ = HiZMode::kNone;  // which way farthest_ bounds
   uint16_t queued_[kMacros] = {}, stale_[kMacros] = {};

@@ -108,7 +108,7 @@ TEST(HiZ, NeverHidesAPassingFragment) {
     draw.hi_z = greater ? HiZMode::kGreater : HiZMode::kLess;
     draw.packet.viewport = {0, 0, 1, 1, 0, 1};
     HiZ hi_z;
-    hi_z.begin_tile(codec.format, buffer, kSize, false);
+    hi_z.begin_tile(codec.format, buffer, kSize, 1, false);
     hi_z.begin_draw(draw);
     const TriangleDepth depth = triangle_depth(prim, draw, tile);
     const float least = least_depth(prim, draw, tile);

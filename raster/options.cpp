@@ -12,6 +12,7 @@ Options default_options() {
   if (tile_px == 16 || tile_px == 32 || tile_px == 64) options.tile_px = tile_px;
   options.hi_z = !debug(kDebugNoHiZ);
   options.fast_clear = !debug(kDebugNoFastClear);
+  options.equal_samples = !debug(kDebugNoEqualSamples);
   options.opaque = !debug(kDebugNoOpaque);
   options.isa = isa_from_name(config().isa);
   return options;

@@ -16,6 +16,7 @@ struct Options {
   uint32_t tile_px = 0;                        // 16, 32 or 64; 0: chosen from the attachments
   bool hi_z = true;                            // reject blocks by a conservative depth range
   bool fast_clear = true;                      // fill untouched tiles straight in memory
+  bool equal_samples = true;                   // keep the colours of a block once while its samples are equal
   bool opaque = true;                          // opaque full-tile covers drop what lies under them
   size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes

@@ -32,14 +32,22 @@ PassAttachment make_attachment(const Attachment& in, const std::array<uint8_t, 1
   a.load = in.load != VK_ATTACHMENT_LOAD_OP_CLEAR && in.load != VK_ATTACHMENT_LOAD_OP_DONT_CARE;
   a.store = in.store == VK_ATTACHMENT_STORE_OP_STORE;
   if (in.load == VK_ATTACHMENT_LOAD_OP_CLEAR) a.clear_texel = clear_texel;
+  a.sample_pitch_bytes = in.sample_pitch_bytes;
+  if (in.resolve_address) {
+    a.resolve = in.resolve;
+    a.resolve_address = in.resolve_address;
+    a.resolve_row_pitch_bytes = in.resolve_row_pitch_bytes;
+  }
   return a;
 }
 
-std::array<uint8_t, 16> pack_clear(VkFormat format, const VkClearValue& value, bool is_depth) {
+std::array<uint8_t, 16> pack_clear(VkFormat format, const VkClearValue& value) {
   std::array<uint8_t, 16> texel{};
   const FormatInfo* info = find_format(format);
   if (!info) return texel;
-  if (is_depth) {
+  if (info->has_stencil()) {
+    texel[0] = static_cast<uint8_t>(value.depthStencil.stencil);
+  } else if (info->is_depth()) {
     pack_depth(*info, value.depthStencil.depth, texel.data());
   } else {
     pack_clear_color(*info, value.color, texel.data());
@@ -60,7 +68,8 @@ uint32_t choose_tile_px(const Options& options, uint32_t bytes_per_px, const Rec
 }
 
 HiZMode hi_z_mode(const DrawPacket& packet) {
-  if (!packet.depth_test || !packet.early_depth) return HiZMode::kNone;
+  // What a rejected fragment would have done to the stencil buffer must be done.
+  if (!packet.depth_test || !packet.early_depth || (packet.stencil_test && packet.stencil_write)) return HiZMode::kNone;
   switch (packet.depth_compare) {
     case VK_COMPARE_OP_LESS:
     case VK_COMPARE_OP_LESS_OR_EQUAL:
@@ -79,13 +88,15 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
     : pool(thread_pool), workspace(thread_pool.workspaces().acquire(thread_pool.threads())) {
   scene.options = options;
   scene.color_count = std::min(desc.color_count, kMaxColorAttachments);
+  scene.grid.samples = desc.samples;
   uint32_t bytes_per_px = 0;
-  for (uint32_t i = 0; i < scene.color_count; ++i) {
-    scene.color[i] = make_attachment(desc.color[i], pack_clear(desc.color[i].format, desc.color[i].clear, false));
-    bytes_per_px += scene.color[i].texel_bytes;
-  }
-  scene.depth = make_attachment(desc.depth, pack_clear(desc.depth.format, desc.depth.clear, true));
-  bytes_per_px += scene.depth.texel_bytes;
+  const auto attach = [&](uint32_t slot, const Attachment& from) {
+    scene.attachments[slot] = make_attachment(from, pack_clear(from.format, from.clear));
+    bytes_per_px += scene.attachments[slot].texel_bytes * desc.samples;
+  };
+  for (uint32_t i = 0; i < scene.color_count; ++i) attach(i, desc.color[i]);
+  attach(Scene::kDepthSlot, desc.depth);
+  attach(Scene::kStencilSlot, desc.stencil);
   const auto extent = [](uint32_t v) { return static_cast<int32_t>(std::min<uint32_t>(v, kMaxExtentPx)); };
   TileGrid& grid = scene.grid;
   grid.area = intersect(to_rect(desc.render_area), {0, 0, extent(desc.extent.width), extent(desc.extent.height)});
@@ -125,15 +136,20 @@ void Pass::State::record(const DrawPacket& packet) {
   }
   draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clip);
   draw.rect = rect;
-  const bool tests_depth = packet.depth_test && scene.depth.address;
-  draw.depth_format = scene.depth.format;
+  const bool has_depth = scene.depth().address != nullptr, tests_depth = packet.depth_test && has_depth;
+  const bool tests_stencil = packet.stencil_test && scene.stencil().address;
+  draw.depth_format = scene.depth().format;
+  draw.samples = scene.samples();
   draw.hi_z = tests_depth ? hi_z_mode(packet) : HiZMode::kNone;
   draw.writes_depth = tests_depth && packet.depth_write;
   const VkCompareOp op = packet.depth_compare;
-  draw.can_cover =
-      packet.opaque && !packet.has_side_effects && !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
-  draw.blocks_cover = packet.has_side_effects || draw.writes_depth;
+  const bool leaves_traces = packet.has_side_effects || packet.samples_passed;
+  draw.can_cover = packet.opaque && !leaves_traces && !tests_stencil && !(has_depth && packet.depth_bounds_test) &&
+                   !(tests_depth && (packet.depth_write || op != VK_COMPARE_OP_ALWAYS));
+  draw.blocks_cover = leaves_traces || draw.writes_depth || (tests_stencil && packet.stencil_write);
   recorded_prims += draw.prims_per_instance * packet.instance_count;
+  statistics.vertices_in += uint64_t{packet.count} * packet.instance_count;
+  statistics.primitives_in += draw.prims_per_instance * packet.instance_count;
 }
 
 Pass::Pass(ThreadPool& pool, const PassDesc& desc) : Pass(pool, desc, default_options()) {}
@@ -153,9 +169,10 @@ void Pass::draw(const DrawPacket& packet) {
 
 void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects) {
   State& s = *state_;
-  const bool is_depth = color_index == kDepth;
-  if (!is_depth && color_index >= s.scene.color_count) return;
-  const PassAttachment& attachment = is_depth ? s.scene.depth : s.scene.color[color_index];
+  const bool is_color = color_index != kDepth && color_index != kStencil;
+  if (is_color && color_index >= s.scene.color_count) return;
+  const uint32_t slot = is_color ? color_index : color_index == kDepth ? Scene::kDepthSlot : Scene::kStencilSlot;
+  const PassAttachment& attachment = s.scene.attachments[slot];
   if (!attachment.address) return;
   std::vector<Rect> inside;
   for (const VkRect2D& rect : rects) {
@@ -166,13 +183,20 @@ void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<cons
   Draw& draw = s.workspace->draws.append();
   draw.is_clear = true;
   draw.rect = s.scene.grid.area;
-  draw.clear_attachment = color_index;
-  draw.clear_texel = pack_clear(attachment.format, value, is_depth);
+  draw.clear_slot = slot;
+  draw.clear_texel = pack_clear(attachment.format, value);
   draw.clear_rects = std::move(inside);
   draw.prims_per_instance = draw.clear_rects.size();
   draw.packet.instance_count = 1;
-  draw.blocks_cover = is_depth;
+  draw.blocks_cover = !is_color;
   s.recorded_prims += draw.prims_per_instance;
+}
+
+void Pass::keep_in_memory() {
+  for (PassAttachment& a : state_->scene.attachments) {
+    a.store = a.address != nullptr;
+    a.resolve = {};
+  }
 }
 
 PassStatistics Pass::end() {

@@ -9,6 +9,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -31,6 +32,12 @@ struct Attachment {
   VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
   VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE;
   VkClearValue clear{};
+  uint32_t samples = 1;
+  // With several samples a pixel:
+  size_t sample_pitch_bytes = 0;  // from one sample's texels to the next's
+  KernelHandle resolve;           // from the samples of a block to one texel (compiler::compile_resolve); null: no resolve
+  uint8_t* resolve_address = nullptr;
+  uint32_t resolve_row_pitch_bytes = 0;
 };
 
 struct PassDesc {
@@ -38,7 +45,8 @@ struct PassDesc {
   VkRect2D render_area{};  // clears, loads and stores stay inside it
   std::array<Attachment, kMaxColorAttachments> color{};
   uint32_t color_count = 0;
-  Attachment depth;
+  Attachment depth, stencil;  // the aspects of a format with both are attachments of their own: aspect_format() in base/format.h
+  uint32_t samples = 1;       // of every attachment
 };
 
 struct IndexBuffer {
@@ -70,7 +78,7 @@ struct DrawPacket {
   KernelHandle vertex, fragment;
   uint32_t vertex_slots = 4;  // GraphicsKernels::vertex_slots
   VertexOutputs outputs;      // likewise
-  bool early_depth = false, opaque = false, has_side_effects = false;
+  bool early_depth = false, opaque = false, has_side_effects = false, per_sample = false;
   const DrawContext* context = nullptr;  // must live until Pass::end returns
   // input assembly
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
@@ -95,10 +103,15 @@ struct DrawPacket {
   // depth, for Hi-Z only: the kernel does the test itself
   bool depth_test = false, depth_write = false;
   VkCompareOp depth_compare = VK_COMPARE_OP_ALWAYS;
+  bool depth_bounds_test = false, stencil_test = false;
+  bool stencil_write = false;                       // some operation is not KEEP: what fails the depth test may leave a trace
+  std::atomic<uint64_t>* samples_passed = nullptr;  // an active occlusion query's counter, which several threads add to
 };
 
 struct PassStatistics {
+  uint64_t vertices_in, primitives_in;  // what input assembly read, of all instances
   uint64_t draws, vertices_shaded, triangles_in, triangles_clipped, triangles_culled, triangles_binned;
+  uint64_t fragments_shaded;  // covered lanes that kernels were called for
   uint64_t bin_entries, blocks_shaded, blocks_hi_z_rejected, tiles_touched, tiles_filled, tiles_untouched, flushes;
 };
 
@@ -111,9 +124,11 @@ class Pass {
   ~Pass();
   // Appends a draw; geometry may start at once or later. The packet is copied, what it points to is not.
   void draw(const DrawPacket& packet);
-  // vkCmdClearAttachments: rectangles of one attachment, in order with the draws. color_index or depth (color_index == kDepth).
-  static constexpr uint32_t kDepth = ~0u;
+  // vkCmdClearAttachments: rectangles of one attachment, in order with the draws: color_index, kDepth or kStencil.
+  static constexpr uint32_t kDepth = ~0u, kStencil = ~0u - 1;
   void clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects);
+  // Before end(): another pass goes on with the attachments, so all are stored and none is resolved.
+  void keep_in_memory();
   // Runs what is pending; attachments are in memory afterwards.
   PassStatistics end();
 

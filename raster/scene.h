@@ -28,11 +28,16 @@ struct TileState {
 struct Scene {
   Options options;
   TileGrid grid;
-  std::array<PassAttachment, kMaxColorAttachments> color{};
+  // Colours by their number, then depth and stencil.
+  static constexpr uint32_t kDepthSlot = kMaxColorAttachments, kStencilSlot = kDepthSlot + 1, kSlots = kStencilSlot + 1;
+  std::array<PassAttachment, kSlots> attachments{};
   uint32_t color_count = 0;
-  PassAttachment depth;
   std::vector<TileState> tiles;  // grid.count() of them are in use
   bool last_flush = true;        // DONT_CARE stores are left out only here: before, the tile comes back
+
+  uint32_t samples() const { return grid.samples; }
+  const PassAttachment& depth() const { return attachments[kDepthSlot]; }
+  const PassAttachment& stencil() const { return attachments[kStencilSlot]; }
 
   // Appends a chunk's segments to the tiles' lists.
   void commit(const Chunk& chunk);

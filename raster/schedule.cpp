@@ -27,6 +27,7 @@ void add_statistics(PassStatistics& sum, const PassStatistics& s) {
   sum.triangles_binned += s.triangles_binned;
   sum.bin_entries += s.bin_entries;
   sum.blocks_shaded += s.blocks_shaded;
+  sum.fragments_shaded += s.fragments_shaded;
   sum.blocks_hi_z_rejected += s.blocks_hi_z_rejected;
   sum.tiles_touched += s.tiles_touched;
   sum.tiles_filled += s.tiles_filled;

@@ -1,5 +1,8 @@
 #include "raster/tile.h"
 
+#include <type_traits>
+#include <utility>
+
 namespace pineda::raster {
 namespace {
 
@@ -47,81 +50,37 @@ inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
 
 }  // namespace
 
-// Moves to a tile and makes room for its attachments.
 void TileWorker::place(const Scene& scene, uint32_t tile) {
   const int32_t size = scene.grid.tile_px;
   position_ = {static_cast<int32_t>(tile % scene.grid.columns) * size, static_cast<int32_t>(tile / scene.grid.columns) * size,
                size, scene.grid.rect(tile)};
-  const auto px = static_cast<size_t>(size) * static_cast<size_t>(size);
-  size_t bytes = 0;
-  for (uint32_t i = 0; i <= scene.color_count; ++i) {
-    const PassAttachment& a = i < scene.color_count ? scene.color[i] : scene.depth;
-    buffer_offset_[i] = bytes;
-    bytes += a.address ? px * a.texel_bytes : 0;
-  }
-  if (buffers_.size() < bytes) buffers_.append(bytes - buffers_.size());
-  for (uint32_t i = 0; i < kMaxColorAttachments; ++i) {
-    context_.color[i] = i < scene.color_count && scene.color[i].address ? buffers_.data() + buffer_offset_[i] : nullptr;
-  }
-  context_.depth = scene.depth.address ? buffers_.data() + buffer_offset_[scene.color_count] : nullptr;
-}
-
-void TileWorker::load(const Scene& scene, const TileState& state) {
-  const auto load_one = [&](const PassAttachment& a, uint8_t* buffer) {
-    if (a.load || state.in_memory) {
-      load_tile(a, position_, buffer);
-    } else {
-      clear_tile(a.texel_bytes, a.clear_texel.data(), position_.size_px, buffer);
-    }
-  };
-  for (uint32_t i = 0; i < scene.color_count; ++i) {
-    if (context_.color[i] && !state.covered) load_one(scene.color[i], context_.color[i]);
-  }
-  if (context_.depth) load_one(scene.depth, context_.depth);
-}
-
-void TileWorker::store(const Scene& scene) {
-  const auto store_one = [&](const PassAttachment& a, const uint8_t* buffer) {
-    if (a.store || !scene.last_flush) store_tile(a, position_, buffer);
-  };
-  for (uint32_t i = 0; i < scene.color_count; ++i) {
-    if (context_.color[i]) store_one(scene.color[i], context_.color[i]);
-  }
-  if (context_.depth) store_one(scene.depth, context_.depth);
+  attachments_.place(scene, position_);
 }
 
 void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
+  scene_ = &scene;
   place(scene, tile);
   coverage_ = &coverage_functions(scene.options.isa);
-  load(scene, state);
-  hi_z_on_ = scene.options.hi_z && context_.depth && hi_z_supports(scene.depth.format);
+  cover_samples_ = cover_samples_function(scene.options.isa);
+  if (scene.samples() > 1 && sample_waves_.empty()) sample_waves_.append(std::size(waves_));
+  attachments_.load(scene, state);
+  const PassAttachment& depth = scene.depth();
+  hi_z_on_ = scene.options.hi_z && depth.address && hi_z_supports(depth.format);
   hi_z_patience_ = kHiZPatience;
   hi_z_skipped_ = 0;
-  if (hi_z_on_) hi_z_.begin_tile(scene.depth.format, context_.depth, position_.size_px, !scene.depth.load && !state.in_memory);
+  if (hi_z_on_) {
+    hi_z_.begin_tile(depth.format, attachments_.depth(), position_.size_px, scene.samples(), !depth.load && !state.in_memory);
+  }
   draw_list(scene, state);
-  store(scene);
+  attachments_.store(scene);
   state.in_memory = true;
   ++statistics.tiles_touched;
 }
 
 void TileWorker::run_untouched(const Scene& scene, uint32_t tile, const TileState& state) {
-  if (state.in_memory) return;
-  bool filled = false;
-  const auto fill = [&](const PassAttachment& a) {
-    if (!a.address || a.load || !a.store) return;
-    filled = true;
-    if (scene.options.fast_clear) {
-      fill_memory_rect(a, a.clear_texel.data(), position_.rect);
-    } else {  // the long way round, for comparison
-      uint8_t* buffer = buffers_.data();
-      clear_tile(a.texel_bytes, a.clear_texel.data(), position_.size_px, buffer);
-      store_tile(a, position_, buffer);
-    }
-  };
   place(scene, tile);
-  for (uint32_t i = 0; i < scene.color_count; ++i) fill(scene.color[i]);
-  fill(scene.depth);
-  ++(filled ? statistics.tiles_filled : statistics.tiles_untouched);
+  const bool filled = attachments_.finish_untouched(scene, state);
+  if (!state.in_memory) ++(filled ? statistics.tiles_filled : statistics.tiles_untouched);
 }
 
 // Fills items_ from the list on; false at its end.
@@ -153,7 +112,7 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
   uint32_t entry = 0;
   while (gather(state, segment, entry)) {
     for (uint32_t i = 0; i < item_count_; ++i) {
-      if (i % kLanes == 0) prepare_group(i);
+      if (i % kLanes == 0 && scene.samples() == 1) prepare_group(i);
       const Item& item = items_[i];
       const Batch& batch = item.batches[item.triangle->batch];
       if (batch.draw != draw_) {
@@ -162,8 +121,10 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
       }
       if (batch.draw->is_clear) [[unlikely]] {
         clear_rect(scene, *batch.draw, *item.triangle);
+      } else if (scene.samples() > 1) {
+        draw_triangle<FragmentSampleWave>(i % kLanes, *item.triangle, batch, item.covers);
       } else {
-        draw_triangle(i % kLanes, *item.triangle, batch, item.covers);
+        draw_triangle<FragmentWave>(i % kLanes, *item.triangle, batch, item.covers);
       }
     }
   }
@@ -194,55 +155,100 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
   const Rect all{record.x_fx8[0], record.y_fx8[0], record.x_fx8[1], record.y_fx8[1]};
   const Rect r = intersect(all, position_.rect);
   if (r.empty()) return;
-  const bool is_depth = draw.clear_attachment == Pass::kDepth;
-  const PassAttachment& a = is_depth ? scene.depth : scene.color[draw.clear_attachment];
   const Rect in_tile{r.x0 - position_.x_px, r.y0 - position_.y_px, r.x1 - position_.x_px, r.y1 - position_.y_px};
-  fill_tile_rect(a.texel_bytes, draw.clear_texel.data(), in_tile,
-                 is_depth ? context_.depth : context_.color[draw.clear_attachment]);
-  if (is_depth && hi_z_on_) hi_z_.forget();
+  attachments_.fill_rect(scene, draw.clear_slot, draw.clear_texel.data(), in_tile);
+  if (draw.clear_slot == Scene::kDepthSlot && hi_z_on_) hi_z_.forget();
+}
+
+// Where the next wave goes.
+template <>
+inline FragmentWave* TileWorker::queue() {
+  return waves_ + wave_count_;
+}
+template <>
+inline FragmentSampleWave* TileWorker::queue() {
+  return sample_waves_.data() + wave_count_;
+}
+
+namespace {
+
+inline FragmentWave& header(FragmentWave& wave) { return wave; }
+inline FragmentWave& header(FragmentSampleWave& wave) { return wave.wave; }
+
+inline Rect record_bounds(const Triangle& t, const FragmentWave*) { return pixel_rect(t); }
+inline Rect record_bounds(const Triangle& t, const FragmentSampleWave*) { return touched_rect(t); }
+
+inline BlockRange block_range(const Rect& r) {
+  const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
+  return {block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
+}
+
+inline void keep_lanes(FragmentWave& wave, uint32_t lanes) { wave.coverage &= lanes; }
+inline void keep_lanes(FragmentSampleWave& wave, uint32_t lanes) {
+  wave.wave.coverage &= lanes;
+  if (lanes == 0xFFFF) return;
+  for (uint32_t lane = 0; lane < kLanes; ++lane) wave.samples[lane] &= static_cast<uint16_t>(-(lanes >> lane & 1));
+}
+
+}  // namespace
+
+// Covered blocks of the pixels in `box_px` (tile coordinates).
+uint32_t TileWorker::cover(const Triangle& t, bool covers, const Rect& box_px, FragmentWave* out) {
+  TileEdges edges{};
+  if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;
+  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
+  const CoverFn cover = t.shape() == Shape::kParallelogram ? coverage_->cover_parallelogram : coverage_->cover;
+  return cover(edges, block_range(box_px), tile_xy_px, out);
+}
+
+uint32_t TileWorker::cover(const Triangle& t, bool covers, const Rect& box_px, FragmentSampleWave* out) {
+  SampleEdges edges{};
+  const uint32_t samples = scene_->samples();
+  if (!covers && make_sample_edges(t, position_.x_px, position_.y_px, position_.size_px, samples, edges) == TileCover::kNone)
+    return 0;
+  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
+  return cover_samples_(edges, samples, block_range(box_px), tile_xy_px, out);
 }
 
 // Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
+template <class Wave>
 uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
-  const Rect box = pixel_rect(t);
+  Wave* const out = queue<Wave>();
+  const Rect box = record_bounds(t, out);
   const Rect r =
       intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
-  TileEdges edges{};
-  if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;
-  const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
-  const BlockRange range{block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
-  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
-  const CoverFn cover = t.shape() == Shape::kParallelogram ? coverage_->cover_parallelogram : coverage_->cover;
-  const uint32_t count = cover(edges, range, tile_xy_px, waves_ + wave_count_);
-  if (t.shape() >= Shape::kPixelLineX) return cut_to_rect(r, count);  // its ends
-  return draw_rect_full_ ? count : cut_to_rect(draw_rect_, count);
+  const uint32_t count = cover(t, covers, r, out);
+  if (t.shape() >= Shape::kPixelLineX) return cut_to_rect<Wave>(r, count);  // its ends
+  return draw_rect_full_ ? count : cut_to_rect<Wave>(draw_rect_, count);
 }
 
+template <class Wave>
 uint32_t TileWorker::cut_to_rect(const Rect& rect, uint32_t count) {
-  FragmentWave* const waves = waves_ + wave_count_;
+  Wave* const waves = queue<Wave>();
   uint32_t kept = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    FragmentWave wave = waves[i];
-    wave.coverage &= rect_lanes(rect, wave.x_px - position_.x_px, wave.y_px - position_.y_px);
+    Wave wave = waves[i];
+    keep_lanes(wave, rect_lanes(rect, header(wave).x_px - position_.x_px, header(wave).y_px - position_.y_px));
     waves[kept] = wave;
-    kept += wave.coverage != 0;
+    kept += header(wave).coverage != 0;
   }
   return kept;
 }
 
 // Calls each(macro, blocks, first, end) for runs of the new waves in one macro block.
-template <class Each>
+template <class Wave, class Each>
 inline void TileWorker::for_macros(uint32_t count, const Each& each) {
-  const FragmentWave* const waves = waves_ + wave_count_;
+  Wave* const waves = queue<Wave>();
+  const auto block_of = [&](uint32_t i) { return header(waves[i]).block_index; };
   for (uint32_t i = 0; i < count;) {
-    const uint32_t macro = waves[i].block_index / kLanes;
+    const uint32_t macro = block_of(i) / kLanes;
     uint32_t end = i, blocks = 0;
-    if (i + kLanes <= count && waves[i + kLanes - 1].block_index / kLanes == macro) {  // all of its blocks
+    if (i + kLanes <= count && block_of(i + kLanes - 1) / kLanes == macro) {  // all of its blocks
       end = i + kLanes;
       blocks = 0xFFFF;
     } else {
-      for (; end < count && waves[end].block_index / kLanes == macro; ++end) blocks |= 1u << waves[end].block_index % kLanes;
+      for (; end < count && block_of(end) / kLanes == macro; ++end) blocks |= 1u << block_of(end) % kLanes;
     }
     each(macro, blocks, i, end);
     i = end;
@@ -250,27 +256,28 @@ inline void TileWorker::for_macros(uint32_t count, const Each& each) {
 }
 
 // Drops new waves whose every fragment must fail the depth test.
+template <class Wave>
 uint32_t TileWorker::reject_hidden(uint32_t count, const FragmentPrim& prim) {
-  FragmentWave* const waves = waves_ + wave_count_;
+  Wave* const waves = queue<Wave>();
   uint32_t kept = 0;
   if (count <= kHiZFewBlocks) {
     const float least = least_depth(prim, *draw_, position_);
     for (uint32_t i = 0; i < count; ++i) {
       waves[kept] = waves[i];
-      kept += !hi_z_.hides(waves[kept].block_index, least);
+      kept += !hi_z_.hides(header(waves[kept]).block_index, least);
     }
   } else {
     const TriangleDepth depth = triangle_depth(prim, *draw_, position_);
-    for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t first, uint32_t end) {
+    for_macros<Wave>(count, [&](uint32_t macro, uint32_t blocks, uint32_t first, uint32_t end) {
       const uint32_t survivors = hi_z_.survivors(macro, blocks, depth);
       if (survivors == blocks) {
-        if (kept != first) std::memmove(waves + kept, waves + first, (end - first) * sizeof(FragmentWave));
+        if (kept != first) std::memmove(waves + kept, waves + first, (end - first) * sizeof(Wave));
         kept += end - first;
         return;
       }
       for (uint32_t i = first; i < end && survivors != 0; ++i) {
         waves[kept] = waves[i];
-        kept += survivors >> waves[kept].block_index % kLanes & 1;
+        kept += survivors >> header(waves[kept]).block_index % kLanes & 1;
       }
     });
   }
@@ -305,31 +312,33 @@ inline uint32_t TileWorker::put_small(uint32_t i) {
 }
 
 // Triangle i of the group.
+template <class Wave>
 void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers) {
   if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
   FragmentPrim& prim = prims_[prim_count_];
   uint32_t count;
-  if ((group_.small >> i & 1) && triangle.shape() == Shape::kTriangle) {
+  constexpr bool kOneSample = std::is_same_v<Wave, FragmentWave>;
+  if (kOneSample && (group_.small >> i & 1) && triangle.shape() == Shape::kTriangle) {
     if ((group_.masks[0][i] | group_.masks[1][i] | group_.masks[2][i] | group_.masks[3][i]) == 0) return;
     count = put_small(i);
-    if (!draw_rect_full_) count = cut_to_rect(draw_rect_, count);
+    if (!draw_rect_full_) count = cut_to_rect<Wave>(draw_rect_, count);
     if (count == 0) return;
     prim.l1_dx = group_.planes[0][i];
     prim.l1_dy = group_.planes[1][i];
     prim.l2_dx = group_.planes[2][i];
     prim.l2_dy = group_.planes[3][i];
   } else {
-    count = find_blocks(triangle, covers);
+    count = find_blocks<Wave>(triangle, covers);
     if (count == 0) return;
     fill_planes(triangle, prim);
   }
   fill_prim(triangle, batch, prim);
   if (wants_hi_z(count) && triangle.shape() < Shape::kPixelLineX) {  // whose depths go on past their ends
-    count = reject_hidden(count, prim);
+    count = reject_hidden<Wave>(count, prim);
     if (count == 0) return;
   }
   if (hi_z_on_ && draw_->writes_depth) {
-    for_macros(count, [&](uint32_t macro, uint32_t blocks, uint32_t, uint32_t) { hi_z_.queued(macro, blocks); });
+    for_macros<Wave>(count, [&](uint32_t macro, uint32_t blocks, uint32_t, uint32_t) { hi_z_.queued(macro, blocks); });
   }
   records_[prim_count_] = {&prim, wave_count_, count};
   ++prim_count_;
@@ -338,10 +347,51 @@ void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch
 
 void TileWorker::flush() {
   if (prim_count_ == 0) return;
-  draw_->packet.fragment(draw_->packet.context, &context_, records_, prim_count_, waves_);
+  const DrawPacket& packet = draw_->packet;
+  ThreadContext& context = attachments_.context();
+  if (scene_->samples() == 1) {
+    for (uint32_t i = 0; i < wave_count_; ++i)
+      statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(waves_[i].coverage));
+    packet.fragment(packet.context, &context, records_, prim_count_, waves_);
+  } else if (!packet.per_sample) {
+    for (uint32_t i = 0; i < wave_count_; ++i)
+      statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(sample_waves_[i].wave.coverage));
+    packet.fragment(packet.context, &context, records_, prim_count_, sample_waves_.data());
+  } else {
+    flush_samples();
+  }
   statistics.blocks_shaded += wave_count_;
   prim_count_ = wave_count_ = 0;
   if (hi_z_on_) hi_z_.flushed();
+  if (packet.samples_passed)
+    packet.samples_passed->fetch_add(std::exchange(context.samples_passed, 0), std::memory_order_relaxed);
+}
+
+// A kernel that runs for each sample: a wave for each sample that some lane covers.
+void TileWorker::flush_samples() {
+  const uint32_t samples = scene_->samples();
+  expanded_.clear();
+  for (uint32_t p = 0; p < prim_count_; ++p) {
+    PrimRecord& record = records_[p];
+    const auto first = static_cast<uint32_t>(expanded_.size());
+    for (uint32_t w = record.first_wave; w < record.first_wave + record.wave_count; ++w) {
+      const FragmentSampleWave& wave = sample_waves_[w];
+      attachments_.separate_samples(*scene_, wave.wave.block_index);
+      for (uint32_t s = 0; s < samples; ++s) {
+        uint32_t lanes = 0;
+        for (uint32_t lane = 0; lane < kLanes; ++lane) lanes |= (wave.samples[lane] >> s & 1u) << lane;
+        if (lanes == 0) continue;
+        FragmentWave one = wave.wave;
+        one.coverage = lanes;
+        one.block_index = wave.wave.block_index * samples + s;
+        expanded_.push_back(one);
+        statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(lanes));
+      }
+    }
+    record.first_wave = first;
+    record.wave_count = static_cast<uint32_t>(expanded_.size()) - first;
+  }
+  draw_->packet.fragment(draw_->packet.context, &attachments_.context(), records_, prim_count_, expanded_.data());
 }
 
 }  // namespace pineda::raster

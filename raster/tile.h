@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "raster/coverage.h"
+#include "raster/coverage_samples.h"
 #include "raster/hi_z.h"
-#include "raster/scene.h"
+#include "raster/tile_attachments.h"
 
 namespace pineda::raster {
 
@@ -34,28 +34,36 @@ class TileWorker {
   };
 
   void place(const Scene& scene, uint32_t tile);
-  void load(const Scene& scene, const TileState& state);
-  void store(const Scene& scene);
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
   void begin_draw(const Draw& draw);
   void prepare_group(uint32_t first);
-  void draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers);
-  uint32_t put_small(uint32_t i);
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
-  uint32_t find_blocks(const Triangle& triangle, bool covers);
-  uint32_t cut_to_rect(const Rect& rect, uint32_t count);
-  uint32_t reject_hidden(uint32_t count, const FragmentPrim& prim);
   bool wants_hi_z(uint32_t count);
-  template <class Each>
-  void for_macros(uint32_t count, const Each& each);
   void flush();
+  void flush_samples();
+  // Wave: FragmentWave, or FragmentSampleWave with several samples a pixel.
+  template <class Wave>
+  void draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers);
+  template <class Wave>
+  Wave* queue();
+  uint32_t put_small(uint32_t i);
+  uint32_t cover(const Triangle& triangle, bool covers, const Rect& box_px, FragmentWave* out);
+  uint32_t cover(const Triangle& triangle, bool covers, const Rect& box_px, FragmentSampleWave* out);
+  template <class Wave>
+  uint32_t find_blocks(const Triangle& triangle, bool covers);
+  template <class Wave>
+  uint32_t cut_to_rect(const Rect& rect, uint32_t count);
+  template <class Wave>
+  uint32_t reject_hidden(uint32_t count, const FragmentPrim& prim);
+  template <class Wave, class Each>
+  void for_macros(uint32_t count, const Each& each);
 
   const CoverageFunctions* coverage_ = nullptr;
+  CoverSamplesFn cover_samples_ = nullptr;
+  const Scene* scene_ = nullptr;
   TilePosition position_{};
-  ThreadContext context_{};
-  PodBuffer<uint8_t> buffers_;
-  std::array<size_t, kMaxColorAttachments + 1> buffer_offset_{};
+  TileAttachments attachments_;
   bool hi_z_on_ = false;
   HiZ hi_z_;
   uint32_t hi_z_patience_ = 0;  // triangles to test until one must have been rejected
@@ -68,7 +76,10 @@ class TileWorker {
   uint32_t prim_count_ = 0, wave_count_ = 0;
   FragmentPrim prims_[kMaxPrims];
   PrimRecord records_[kMaxPrims];
-  FragmentWave waves_[kMaxWaves + kMaxTileBlocks + 1];  // coverage writes one past what it keeps
+  // Coverage writes one past what it keeps.
+  FragmentWave waves_[kMaxWaves + kMaxTileBlocks + 1];
+  PodBuffer<FragmentSampleWave> sample_waves_;  // instead of them with several samples a pixel
+  PodBuffer<FragmentWave> expanded_;            // for kernels that run for each sample
   uint32_t item_count_ = 0;
   Item items_[kMaxItems];
   SmallGroup group_;  // of the 16 items at hand

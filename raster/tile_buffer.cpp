@@ -1,6 +1,7 @@
 #include "raster/tile_buffer.h"
 
 #include <cstring>
+#include <type_traits>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -173,34 +174,34 @@ inline void for_lanes(const Rect& rect, int32_t x, int32_t y, const Each& each) 
 }
 
 template <uint32_t kBytes>
-void load_blocks(const PassAttachment& a, const TilePosition& tile, uint8_t* buffer) {
+void load_blocks(size_t pitch, const uint8_t* address, const TilePosition& tile, SamplePlane to) {
   const auto at = [&](int32_t x, int32_t y) {
-    return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes;
+    return address + static_cast<size_t>(y) * pitch + static_cast<size_t>(x) * kBytes;
   };
+  const size_t block_bytes = size_t{kLanes * kBytes} * to.planes;
   for_blocks(
       tile,
+      [&](uint32_t block, int32_t x, int32_t y) { WholeBlock<kBytes>::load(at(x, y), pitch, to.data + block * block_bytes); },
       [&](uint32_t block, int32_t x, int32_t y) {
-        WholeBlock<kBytes>::load(at(x, y), a.row_pitch_bytes, buffer + block * kLanes * kBytes);
-      },
-      [&](uint32_t block, int32_t x, int32_t y) {
-        uint8_t* b = buffer + block * kLanes * kBytes;
+        uint8_t* b = to.data + block * block_bytes;
         std::memset(b, 0, kLanes * kBytes);
         for_lanes(tile.rect, x, y, [&](uint32_t lane, int32_t px, int32_t py) { set_texel(kBytes, b, lane, at(px, py)); });
       });
 }
 
 template <uint32_t kBytes>
-void store_blocks(const PassAttachment& a, const TilePosition& tile, const uint8_t* buffer) {
+void store_blocks(uint8_t* address, size_t pitch, const TilePosition& tile, SamplePlane from, const EqualBlocks& equal) {
   const auto at = [&](int32_t x, int32_t y) {
-    return a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(x) * kBytes;
+    return address + static_cast<size_t>(y) * pitch + static_cast<size_t>(x) * kBytes;
+  };
+  const size_t block_bytes = size_t{kLanes * kBytes} * from.planes;
+  const auto source = [&](uint32_t block) {
+    return (equal.equal && equal.equal[block] ? equal.equal_from : from.data) + block * block_bytes;
   };
   for_blocks(
-      tile,
+      tile, [&](uint32_t block, int32_t x, int32_t y) { WholeBlock<kBytes>::store(source(block), at(x, y), pitch); },
       [&](uint32_t block, int32_t x, int32_t y) {
-        WholeBlock<kBytes>::store(buffer + block * kLanes * kBytes, at(x, y), a.row_pitch_bytes);
-      },
-      [&](uint32_t block, int32_t x, int32_t y) {
-        const uint8_t* b = buffer + block * kLanes * kBytes;
+        const uint8_t* b = source(block);
         for_lanes(tile.rect, x, y, [&](uint32_t lane, int32_t px, int32_t py) { get_texel(kBytes, b, lane, at(px, py)); });
       });
 }
@@ -210,67 +211,50 @@ void make_block(uint32_t texel_bytes, const uint8_t* texel, uint8_t* block) {
   for (uint32_t lane = 0; lane < kLanes; ++lane) set_texel(texel_bytes, block, lane, texel);
 }
 
+// Calls f with the texel's size as a constant; Pass refuses other sizes.
+template <class F>
+inline void with_texel_bytes(uint32_t texel_bytes, const F& f) {
+  switch (texel_bytes) {
+    case 1:
+      return f(std::integral_constant<uint32_t, 1>());
+    case 2:
+      return f(std::integral_constant<uint32_t, 2>());
+    case 4:
+      return f(std::integral_constant<uint32_t, 4>());
+    case 8:
+      return f(std::integral_constant<uint32_t, 8>());
+    case 16:
+      return f(std::integral_constant<uint32_t, 16>());
+    default:
+      return;
+  }
+}
+
 }  // namespace
 
-void load_tile(const PassAttachment& a, const TilePosition& tile, uint8_t* buffer) {
-  switch (a.texel_bytes) {
-    case 1:
-      load_blocks<1>(a, tile, buffer);
-      break;
-    case 2:
-      load_blocks<2>(a, tile, buffer);
-      break;
-    case 4:
-      load_blocks<4>(a, tile, buffer);
-      break;
-    case 8:
-      load_blocks<8>(a, tile, buffer);
-      break;
-    case 16:
-      load_blocks<16>(a, tile, buffer);
-      break;
-    default:
-      break;  // Pass refuses other sizes
-  }
+void load_tile(const PassAttachment& a, const uint8_t* address, const TilePosition& tile, SamplePlane to) {
+  with_texel_bytes(a.texel_bytes, [&](auto bytes) { load_blocks<bytes>(a.row_pitch_bytes, address, tile, to); });
 }
 
-void store_tile(const PassAttachment& a, const TilePosition& tile, const uint8_t* buffer) {
-  switch (a.texel_bytes) {
-    case 1:
-      store_blocks<1>(a, tile, buffer);
-      break;
-    case 2:
-      store_blocks<2>(a, tile, buffer);
-      break;
-    case 4:
-      store_blocks<4>(a, tile, buffer);
-      break;
-    case 8:
-      store_blocks<8>(a, tile, buffer);
-      break;
-    case 16:
-      store_blocks<16>(a, tile, buffer);
-      break;
-    default:
-      break;
-  }
+void store_tile(const PassAttachment& a, uint8_t* address, size_t row_pitch_bytes, const TilePosition& tile, SamplePlane from,
+                const EqualBlocks& equal) {
+  with_texel_bytes(a.texel_bytes, [&](auto bytes) { store_blocks<bytes>(address, row_pitch_bytes, tile, from, equal); });
 }
 
-void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, uint8_t* buffer) {
+void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, SamplePlane to) {
   alignas(64) uint8_t block[kLanes * 16];
   make_block(texel_bytes, texel, block);
-  const size_t block_bytes = kLanes * texel_bytes;
-  const size_t bytes = static_cast<size_t>(size_px) * static_cast<size_t>(size_px) * texel_bytes;
-  for (size_t i = 0; i < bytes; i += block_bytes) std::memcpy(buffer + i, block, block_bytes);
+  const size_t block_bytes = kLanes * texel_bytes, count = static_cast<size_t>(size_px) * static_cast<size_t>(size_px) / kLanes;
+  for (size_t i = 0; i < count; ++i) std::memcpy(to.data + i * block_bytes * to.planes, block, block_bytes);
 }
 
-void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, uint8_t* buffer) {
+void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, SamplePlane to) {
   alignas(64) uint8_t block[kLanes * 16];
   make_block(texel_bytes, texel, block);
   const size_t block_bytes = kLanes * texel_bytes;
   for (int32_t y = rect.y0 & ~3; y < rect.y1; y += 4) {
     for (int32_t x = rect.x0 & ~3; x < rect.x1; x += 4) {
-      uint8_t* b = buffer + morton(static_cast<uint32_t>(x) / 4, static_cast<uint32_t>(y) / 4) * block_bytes;
+      uint8_t* b = to.data + morton(static_cast<uint32_t>(x) / 4, static_cast<uint32_t>(y) / 4) * block_bytes * to.planes;
       if (rect.contains({x, y, x + 4, y + 4})) {
         std::memcpy(b, block, block_bytes);
       } else {
@@ -280,14 +264,14 @@ void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect
   }
 }
 
-void fill_memory_rect(const PassAttachment& a, const uint8_t* texel, const Rect& rect) {
+void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect) {
   if (rect.empty()) return;
   alignas(64) uint8_t row[kMaxTilePx * 16];
-  const size_t bytes = static_cast<size_t>(rect.x1 - rect.x0) * a.texel_bytes;
-  const size_t pattern_bytes = std::min(bytes, sizeof(row) / a.texel_bytes * a.texel_bytes);
-  for (size_t i = 0; i < pattern_bytes; i += a.texel_bytes) std::memcpy(row + i, texel, a.texel_bytes);
+  const size_t bytes = static_cast<size_t>(rect.x1 - rect.x0) * texel_bytes;
+  const size_t pattern_bytes = std::min(bytes, sizeof(row) / texel_bytes * texel_bytes);
+  for (size_t i = 0; i < pattern_bytes; i += texel_bytes) std::memcpy(row + i, texel, texel_bytes);
   for (int32_t y = rect.y0; y < rect.y1; ++y) {
-    uint8_t* p = a.address + static_cast<size_t>(y) * a.row_pitch_bytes + static_cast<size_t>(rect.x0) * a.texel_bytes;
+    uint8_t* p = address + static_cast<size_t>(y) * row_pitch_bytes + static_cast<size_t>(rect.x0) * texel_bytes;
     for (size_t done = 0; done < bytes; done += pattern_bytes) std::memcpy(p + done, row, std::min(pattern_bytes, bytes - done));
   }
 }

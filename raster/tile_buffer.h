@@ -18,6 +18,11 @@ struct PassAttachment {
   bool load = false;  // LOAD; otherwise the tile starts as clear_texel (zero for DONT_CARE: defined bits, whatever the tile size)
   bool store = false;
   std::array<uint8_t, 16> clear_texel{};
+  // with several samples
+  size_t sample_pitch_bytes = 0;
+  KernelHandle resolve;  // fn is null: no resolve
+  uint8_t* resolve_address = nullptr;
+  size_t resolve_row_pitch_bytes = 0;
 };
 
 struct TilePosition {
@@ -25,15 +30,27 @@ struct TilePosition {
   Rect rect;  // the tile's pixels that exist: of the render area
 };
 
-// Memory -> tile buffer. Texels outside of `rect` become zero.
-void load_tile(const PassAttachment& attachment, const TilePosition& tile, uint8_t* buffer);
-// Tile buffer -> memory, texels of `rect` only.
-void store_tile(const PassAttachment& attachment, const TilePosition& tile, const uint8_t* buffer);
-// Every texel of the tile buffer becomes `texel`.
-void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, uint8_t* buffer);
+// One sample of every pixel of a tile. With N samples a block's samples lie side by side: `planes` is N, and `data` the sample's
+// first block.
+struct SamplePlane {
+  uint8_t* data;
+  uint32_t planes = 1;
+};
+
+// Memory at `address` -> tile buffer. Texels outside of `rect` become zero.
+void load_tile(const PassAttachment& attachment, const uint8_t* address, const TilePosition& tile, SamplePlane to);
+// Tile buffer -> memory at `address`, texels of `rect` only. Blocks b with equal[b] != 0 are taken from `equal_from`.
+struct EqualBlocks {
+  const uint8_t* equal = nullptr;  // null: none
+  const uint8_t* equal_from = nullptr;
+};
+void store_tile(const PassAttachment& attachment, uint8_t* address, size_t row_pitch_bytes, const TilePosition& tile,
+                SamplePlane from, const EqualBlocks& equal = {});
+// Every texel of the sample becomes `texel`.
+void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, SamplePlane to);
 // Texels of `rect` (tile coordinates) become `texel`.
-void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, uint8_t* buffer);
-// Fills texels of `rect` straight in memory.
-void fill_memory_rect(const PassAttachment& attachment, const uint8_t* texel, const Rect& rect);
+void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, SamplePlane to);
+// Fills texels of `rect` straight in memory at `address`.
+void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect);
 
 }  // namespace pineda::raster

@@ -38,7 +38,7 @@ TEST(TileBuffer, LoadAndStoreEveryTexelSize) {
         PodBuffer<uint8_t> buffer;
         const size_t buffer_bytes = static_cast<size_t>(size * size) * bytes;
         std::memset(buffer.append(buffer_bytes), 0xCC, buffer_bytes);
-        load_tile(a, tile, buffer.data());
+        load_tile(a, a.address, tile, {buffer.data()});
         for (int32_t y = 0; y < size; ++y) {
           for (int32_t x = 0; x < size; ++x) {
             const int32_t px = 64 + x, py = 64 + y;
@@ -53,7 +53,7 @@ TEST(TileBuffer, LoadAndStoreEveryTexelSize) {
         // Back into other memory: the rectangle and nothing else.
         std::vector<uint8_t> stored(memory.size(), 0xEE);
         a.address = stored.data();
-        store_tile(a, tile, buffer.data());
+        store_tile(a, a.address, a.row_pitch_bytes, tile, {buffer.data()});
         for (size_t i = 0; i < stored.size(); ++i) {
           const auto py = static_cast<int32_t>(i / pitch), px = static_cast<int32_t>(i % pitch / bytes);
           const bool inside = tile.rect.contains({px, py, px + 1, py + 1});
@@ -69,15 +69,11 @@ TEST(TileBuffer, ClearsAndFills) {
   for (const uint32_t bytes : {1u, 2u, 4u, 8u, 16u}) {
     PodBuffer<uint8_t> buffer;
     buffer.append(64 * 64 * bytes);
-    clear_tile(bytes, zero, 64, buffer.data());
+    clear_tile(bytes, zero, 64, {buffer.data()});
     const Rect rect{3, 9, 42, 31};
-    fill_tile_rect(bytes, texel, rect, buffer.data());
+    fill_tile_rect(bytes, texel, rect, {buffer.data()});
     std::vector<uint8_t> memory(64 * 64 * bytes);
-    PassAttachment a;
-    a.address = memory.data();
-    a.row_pitch_bytes = 64 * bytes;
-    a.texel_bytes = bytes;
-    fill_memory_rect(a, texel, rect);
+    fill_memory_rect(bytes, memory.data(), 64 * bytes, texel, rect);
     for (uint32_t y = 0; y < 64; ++y) {
       for (uint32_t x = 0; x < 64; ++x) {
         const bool inside = x >= 3 && x < 42 && y >= 9 && y < 31;

@@ -85,19 +85,19 @@ TEST(IcdRenderPass, ClearLoadAndRenderArea) {
 
 TEST(IcdRenderPass, UnsupportedIsRefused) {
   PipelineClient client;
-  VkAttachmentDescription attachment{0, kFormat, VK_SAMPLE_COUNT_4_BIT};
-  const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_GENERAL};
+  VkAttachmentDescription attachments[] = {{0, kFormat, VK_SAMPLE_COUNT_4_BIT}, {0, kFormat, VK_SAMPLE_COUNT_32_BIT}};
+  VkAttachmentReference references[] = {{0, VK_IMAGE_LAYOUT_GENERAL}, {1, VK_IMAGE_LAYOUT_GENERAL}};
   VkSubpassDescription subpass{};
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = &reference;
-  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, nullptr, 0, 1, &attachment, 1, &subpass};
+  subpass.colorAttachmentCount = 2;
+  subpass.pColorAttachments = references;
+  const VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, nullptr, 0, 2, attachments, 1, &subpass};
   VkRenderPass pass;
-  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT) << "4 samples";
-  attachment.samples = VK_SAMPLE_COUNT_1_BIT;
-  subpass.inputAttachmentCount = 1;
-  subpass.pInputAttachments = &reference;
-  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT)
-      << "input attachment";
+  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT) << "32 samples";
+  attachments[1].samples = VK_SAMPLE_COUNT_8_BIT;
+  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT) << "4 and 8";
+  attachments[1].samples = VK_SAMPLE_COUNT_4_BIT;
+  references[1].attachment = 2;
+  EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_ERROR_FEATURE_NOT_PRESENT) << "no such one";
 }
 
 struct ColorPipeline {

@@ -182,6 +182,8 @@ class PipelineClient : public Client {
     bool depth_clamp = false;
     float depth_bias = 0, depth_bias_clamp = 0;      // constant factor; 0: no bias
     VkCompareOp depth_compare = VK_COMPARE_OP_LESS;  // when the subpass has a depth attachment
+    uint32_t samples = 1;
+    const VkStencilOpState* stencil = nullptr;  // of both faces; null: no test
   };
   VkResult graphics_pipeline(const Drawing& drawing, VkPipeline* out);
 };
@@ -209,8 +211,10 @@ inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipe
   VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
   depth.depthCompareOp = drawing.depth_compare;
+  depth.stencilTestEnable = drawing.stencil != nullptr;
+  if (drawing.stencil) depth.front = depth.back = *drawing.stencil;
   VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-  multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(drawing.samples);
   VkPipelineColorBlendAttachmentState blend_attachment{};
   blend_attachment.colorWriteMask = 0xF;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};

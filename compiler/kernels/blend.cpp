@@ -55,8 +55,12 @@ bool is_convex(const Equation& e) {
 // division, the result no multiplication, and the only rounding to the format is the last step.
 class Blender {
  public:
-  Blender(Builder& b, const FormatInfo& format, const Channels& source, const Words& old) : b_(b), format_(format), old_(old) {
-    for (uint32_t c = 0; c < 4; ++c) source_[c] = in_range(source[c] ? source[c] : default_component(b, Type::kF32, c));
+  Blender(Builder& b, const FormatInfo& format, const ColorSources& sources, const Words& old)
+      : b_(b), format_(format), old_(old) {
+    for (uint32_t c = 0; c < 4; ++c) {
+      source_[c] = in_range(sources.first[c] ? sources.first[c] : default_component(b, Type::kF32, c));
+      second_[c] = in_range(sources.second[c] ? sources.second[c] : default_component(b, Type::kF32, c));
+    }
   }
 
   Field blend(const Equation& e, uint32_t component) {
@@ -73,8 +77,9 @@ class Blender {
   bool is_fixed_point() const { return !format_.is_float(); }
 
   // "If the color attachment is fixed-point, the components of the source and destination values and blend factors are each
-  // clamped": no signed format is blendable.
-  Value in_range(Value x) { return is_fixed_point() ? clamp(b_, x, 0, 1) : x; }
+  // clamped to [0,1] or [-1,1] respectively for an unsigned normalized or signed normalized color attachment".
+  Value in_range(Value x) { return is_fixed_point() ? clamp(b_, x, is_signed() ? -1 : 0, 1) : x; }
+  bool is_signed() const { return format_.numeric == Numeric::kSnorm; }
 
   Value destination(uint32_t component) { return unpack_component(b_, format_, component, old_); }
 
@@ -103,7 +108,11 @@ class Blender {
     return b_.fmul(x, factor_value(factor, component));
   }
 
-  Value one_minus(Value x) { return b_.fsub(b_.f32(1), x); }
+  // In range again: with signed values the difference may be as large as 2.
+  Value one_minus(Value x) {
+    const Value difference = b_.fsub(b_.f32(1), x);
+    return is_signed() ? b_.fmin(difference, b_.f32(1)) : difference;
+  }
 
   Value factor_value(VkBlendFactor factor, uint32_t component) {
     switch (factor) {
@@ -131,6 +140,14 @@ class Blender {
         return constant(kAlpha);
       case VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_ALPHA:
         return one_minus(constant(kAlpha));
+      case VK_BLEND_FACTOR_SRC1_COLOR:
+        return second_[component];
+      case VK_BLEND_FACTOR_ONE_MINUS_SRC1_COLOR:
+        return one_minus(second_[component]);
+      case VK_BLEND_FACTOR_SRC1_ALPHA:
+        return second_[kAlpha];
+      case VK_BLEND_FACTOR_ONE_MINUS_SRC1_ALPHA:
+        return one_minus(second_[kAlpha]);
       default:
         return b_.fmin(source_[kAlpha], one_minus(destination(kAlpha)));  // SRC_ALPHA_SATURATE
     }
@@ -139,22 +156,66 @@ class Blender {
   Builder& b_;
   const FormatInfo& format_;
   const Words& old_;
-  Channels source_{};
+  Channels source_{}, second_{};
 };
 
-Result<void> check(const BlendState& state, const FormatInfo& format) {
-  if (!state.blend_enable) return {};
-  if (!(format.uses & kUseBlend)) return compile_error(concat("The format ", format.name, " is not blendable."));
-  for (const VkBlendFactor factor : {state.src_color, state.dst_color, state.src_alpha, state.dst_alpha}) {
-    if (factor > VK_BLEND_FACTOR_SRC_ALPHA_SATURATE) return compile_error("Dual-source blending is not supported.");
+// Logical operations work on codes; "Logical operations are not applied to floating-point or sRGB format color attachments",
+// whose source values pass.
+bool takes_logic_op(const FormatInfo& format) { return format.numeric != Numeric::kSfloat && format.numeric != Numeric::kSrgb; }
+
+bool logic_op_reads_destination(VkLogicOp op) {
+  return op != VK_LOGIC_OP_CLEAR && op != VK_LOGIC_OP_COPY && op != VK_LOGIC_OP_COPY_INVERTED && op != VK_LOGIC_OP_SET;
+}
+
+Value logic(Builder& b, VkLogicOp op, Value s, Value d) {
+  switch (op) {
+    case VK_LOGIC_OP_CLEAR:
+      return b.i32(0);
+    case VK_LOGIC_OP_AND:
+      return b.and_(s, d);
+    case VK_LOGIC_OP_AND_REVERSE:
+      return b.and_(s, b.not_(d));
+    case VK_LOGIC_OP_AND_INVERTED:
+      return b.and_(b.not_(s), d);
+    case VK_LOGIC_OP_NO_OP:
+      return d;
+    case VK_LOGIC_OP_XOR:
+      return b.xor_(s, d);
+    case VK_LOGIC_OP_OR:
+      return b.or_(s, d);
+    case VK_LOGIC_OP_NOR:
+      return b.not_(b.or_(s, d));
+    case VK_LOGIC_OP_EQUIVALENT:
+      return b.not_(b.xor_(s, d));
+    case VK_LOGIC_OP_INVERT:
+      return b.not_(d);
+    case VK_LOGIC_OP_OR_REVERSE:
+      return b.or_(s, b.not_(d));
+    case VK_LOGIC_OP_COPY_INVERTED:
+      return b.not_(s);
+    case VK_LOGIC_OP_OR_INVERTED:
+      return b.or_(b.not_(s), d);
+    case VK_LOGIC_OP_NAND:
+      return b.not_(b.and_(s, d));
+    case VK_LOGIC_OP_SET:
+      return b.i32(~0u);
+    default:
+      return s;  // COPY
   }
+}
+
+}  // namespace
+
+Result<void> check(const ColorOperation& operation) {
+  const BlendState& state = operation.state;
+  if (!state.blend_enable || operation.logic_op) return {};
+  if (!(operation.format.uses & kUseBlend))
+    return compile_error(concat("The format ", operation.format.name, " is not blendable."));
   for (const VkBlendOp op : {state.color_op, state.alpha_op}) {
     if (op > VK_BLEND_OP_MAX) return compile_error("Advanced blend operations are not supported.");
   }
   return {};
 }
-
-}  // namespace
 
 uint32_t written_components(const BlendState& state, const FormatInfo& format) {
   uint32_t mask = 0;
@@ -164,10 +225,12 @@ uint32_t written_components(const BlendState& state, const FormatInfo& format) {
   return mask;
 }
 
-bool reads_destination(const BlendState& state, const FormatInfo& format) {
-  const uint32_t written = written_components(state, format);
+bool reads_destination(const ColorOperation& operation) {
+  const BlendState& state = operation.state;
+  const uint32_t written = written_components(state, operation.format);
   if (written == 0) return false;
-  if (written != written_components({.write_mask = 0xf}, format)) return true;
+  if (written != written_components({.write_mask = 0xf}, operation.format)) return true;
+  if (operation.logic_op) return takes_logic_op(operation.format) && logic_op_reads_destination(*operation.logic_op);
   if (!state.blend_enable) return false;
   for (uint32_t c = 0; c < 4; ++c) {
     if (!(written >> c & 1)) continue;
@@ -177,22 +240,34 @@ bool reads_destination(const BlendState& state, const FormatInfo& format) {
   return false;
 }
 
-Result<void> blend_and_store(Builder& b, const BlendState& state, const FormatInfo& format, TileBlock& block,
-                             const Channels& source, Value covered) {
-  if (const Result<void> ok = check(state, format); !ok) return ok;
-  const uint32_t written = written_components(state, format);
-  if (written == 0) return {};
+namespace {
+
+// What the operation makes of component c.
+Field combined(Builder& b, const ColorOperation& operation, uint32_t c, const Channels& source, const Words& old) {
+  const FormatInfo& format = operation.format;
+  const Value value = source[c] ? source[c] : default_component(b, channel_type(format), c);
+  const Field field = pack_component(b, format, c, value);
+  if (!operation.logic_op || !takes_logic_op(format)) return field;
+  return {logic(b, *operation.logic_op, field.bits, extract_code(b, format, c, old)), format.component[c].bits};
+}
+
+}  // namespace
+
+void blend_and_store(Builder& b, const ColorOperation& operation, TileBlock& block, const ColorSources& sources, Value covered) {
+  const FormatInfo& format = operation.format;
+  const uint32_t written = written_components(operation.state, format);
+  if (written == 0) return;
   std::array<Field, 4> fields{};
   const Words& old = block.old(b);
-  if (state.blend_enable) {
-    Blender blender(b, format, source, old);
+  const bool blends = operation.state.blend_enable && !operation.logic_op;
+  if (blends) {
+    Blender blender(b, format, sources, old);
     for (uint32_t c = 0; c < 4; ++c) {
-      if (written >> c & 1) fields[c] = blender.blend(equation_of(state, c), c);
+      if (written >> c & 1) fields[c] = blender.blend(equation_of(operation.state, c), c);
     }
   } else {
     for (uint32_t c = 0; c < 4; ++c) {
-      if (!(written >> c & 1)) continue;
-      fields[c] = pack_component(b, format, c, source[c] ? source[c] : default_component(b, channel_type(format), c));
+      if (written >> c & 1) fields[c] = combined(b, operation, c, sources.first, old);
     }
   }
   Words words = pack_fields(b, format, fields);
@@ -201,7 +276,6 @@ Result<void> blend_and_store(Builder& b, const BlendState& state, const FormatIn
     if (kept != 0) words[w] = b.or_(words[w], b.and_(old[w], b.i32(kept)));
   }
   block.store(b, words, covered);
-  return {};
 }
 
 }  // namespace pineda::kernels

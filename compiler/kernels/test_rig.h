@@ -140,7 +140,11 @@ struct FragmentRig {
   FragmentPrim prim{};
   FragmentWave wave{.exec_mask = 0xffff, .coverage = 0xffff};
   std::array<std::vector<uint8_t>, kMaxColorAttachments> color;  // tile buffers; sized by run() when empty
-  std::vector<uint8_t> depth;
+  std::vector<uint8_t> depth, stencil;
+  std::vector<uint8_t> equal{0};           // with several samples; for block 0
+  std::array<uint16_t, kLanes> samples{};  // likewise: covered samples
+  bool per_sample = false;                 // the kernel runs for each sample: block_index is the sample's
+  uint64_t samples_passed = 0;
   std::vector<float> vertices[3];  // slot s at s * 16
   bool early_depth = false, reads_color = false, opaque = false;
 
@@ -162,6 +166,7 @@ struct FragmentRig {
     early_depth = built->early_depth;
     reads_color = built->reads_color;
     opaque = built->opaque;
+    per_sample = built->per_sample;
     ir::Kernel kernel = optimized(std::move(built->ir), mode);
     const std::vector<compiler::VaryingSlot> varyings = compact_varyings(kernel);
     EXPECT_EQ(ir::verify(kernel), "");
@@ -172,15 +177,27 @@ struct FragmentRig {
   void run() {
     set_srgb_tables(draw);
     ThreadContext thread{};
+    const uint32_t n = per_sample ? 1 : source.state.samples;
     for (uint32_t a = 0; a < source.state.color_count; ++a) {
-      color[a].resize((wave.block_index + 1) * 16 * texel_bytes(source.state.color[a].format));
+      color[a].resize(
+          std::max<size_t>(color[a].size(), (wave.block_index + 1) * n * 16 * texel_bytes(source.state.color[a].format)));
       thread.color[a] = color[a].data();
     }
-    depth.resize((wave.block_index + 1) * 16 * texel_bytes(source.state.depth.format));
+    depth.resize(std::max<size_t>(depth.size(), (wave.block_index + 1) * n * 16 * texel_bytes(source.state.depth.format)));
+    stencil.resize(std::max<size_t>(stencil.size(), (wave.block_index + 1) * n * 16));
     thread.depth = depth.data();
+    thread.stencil = stencil.data();
+    thread.equal_samples = equal.data();
     for (uint32_t v = 0; v < 3; ++v) prim.vertex[v] = vertices[v].data();
     const PrimRecord record{&prim, 0, 1};
-    runner_->run(&draw, &thread, &record, 1, &wave);
+    if (n > 1) {
+      FragmentSampleWave sample_wave{wave, {}};
+      std::ranges::copy(samples, sample_wave.samples);
+      runner_->run(&draw, &thread, &record, 1, &sample_wave);
+    } else {
+      runner_->run(&draw, &thread, &record, 1, &wave);
+    }
+    samples_passed = thread.samples_passed;
   }
 
  private:

@@ -46,4 +46,9 @@ void TileBlock::store(Builder& b, const Words& words, Value covered) {
   }
 }
 
+void TileBlock::replace(Builder& b, const Words& words) {
+  for (uint32_t w = 0; w < word_count(format_); ++w)
+    b.store(plane(b, format_, base_, w), b.convert(Op::kTrunc, element_type(format_), words[w]), ir::kAllLanes);
+}
+
 }  // namespace pineda::kernels

@@ -14,6 +14,8 @@ class TileBlock {
   const Words& old(ir::Builder& b);
   // Replaces the words of lanes where `covered` holds.
   void store(ir::Builder& b, const Words& words, ir::Value covered);
+  // Replaces all words.
+  void replace(ir::Builder& b, const Words& words);
 
  private:
   const FormatInfo& format_;

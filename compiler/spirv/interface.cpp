@@ -38,6 +38,7 @@ constexpr BuiltInRow kBuiltIns[] = {
     {spv::BuiltInSamplePosition, BuiltIn::kSamplePosition, ir::Type::kF32, 2},
     {spv::BuiltInSampleMask, BuiltIn::kSampleMask, ir::Type::kI32, 1},
     {spv::BuiltInFragDepth, BuiltIn::kFragDepth, ir::Type::kF32, 1},
+    {spv::BuiltInFragStencilRefEXT, BuiltIn::kFragStencilRef, ir::Type::kI32, 1},
     {spv::BuiltInHelperInvocation, BuiltIn::kHelperInvocation, ir::Type::kB1, 1},
     {spv::BuiltInNumWorkgroups, BuiltIn::kNumWorkgroups, ir::Type::kI32, 3},
     {spv::BuiltInWorkgroupId, BuiltIn::kWorkgroupId, ir::Type::kI32, 3},

@@ -49,6 +49,7 @@ enum class BuiltIn : uint8_t {
   kSamplePosition,
   kSampleMask,
   kFragDepth,
+  kFragStencilRef,
   kHelperInvocation,
   kNumWorkgroups,
   kWorkgroupId,
