@@ -24,7 +24,7 @@ bool is_texel_buffer(VkDescriptorType type) {
 
 bool has_image(VkDescriptorType type) {
   return type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER || type == VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE ||
-         type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+         type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE || type == VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
 }
 
 bool has_texture_ids(VkDescriptorType type) { return has_sampler(type) || has_image(type) || is_texel_buffer(type); }
@@ -39,6 +39,7 @@ uint32_t descriptor_bytes(VkDescriptorType type) {
     case VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER:
     case VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE:
     case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE:
+    case VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT:
     case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
     case VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER:
       return sizeof(ImageDescriptor);

@@ -45,7 +45,6 @@ VkFormatFeatureFlags image_features(const FormatInfo& format, VkImageTiling tili
 
 constexpr VkImageUsageFlags kTransferUsage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
 
-// Without VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT: vkCreateRenderPass refuses input attachments.
 bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
   static constexpr struct {
     VkFormatFeatureFlags feature;
@@ -53,9 +52,11 @@ bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
   } kRows[] = {
       {VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, VK_IMAGE_USAGE_SAMPLED_BIT},
       {VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, VK_IMAGE_USAGE_STORAGE_BIT},
-      {VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT},
-      {VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT,
-       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT},
+      {VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT,
+       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT},
+      {VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                                                           VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT |
+                                                           VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT},
   };
   VkImageUsageFlags allowed = kTransferUsage;
   for (const auto& row : kRows) {
@@ -79,15 +80,14 @@ VkExtent3D max_extent(const ImageQuery& query) {
 
 namespace {
 
-// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. Shaders cannot read
-// samples yet.
+// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. There are no multisampled
+// storage images.
 VkSampleCountFlags sample_counts(const ImageQuery& query, VkFormatFeatureFlags features) {
   constexpr VkFormatFeatureFlags kAttachment =
       VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  constexpr VkImageUsageFlags kRead = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   const bool plain = query.tiling == VK_IMAGE_TILING_OPTIMAL && query.type == VK_IMAGE_TYPE_2D &&
                      !(query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT);
-  return plain && (features & kAttachment) && !(query.usage & kRead) ? kSampleCounts : 1;
+  return plain && (features & kAttachment) && !(query.usage & VK_IMAGE_USAGE_STORAGE_BIT) ? kSampleCounts : 1;
 }
 
 }  // namespace

@@ -99,7 +99,11 @@ class SampleClient : public PipelineClient {
       vertices.as<float>()[i * 4 + 1] = static_cast<float>(kTriangle[i].y_fx8) / 256 / (kSize / 2) - 1;
     }
     constexpr float kCover[3][2] = {{-1, -1}, {3, -1}, {-1, 3}};
-    for (int i = 0; i < 3; ++i) std::copy_n(kCover[i], 2, vertices.as<float>() + (3 + i) * 4);
+    for (int i = 0; i < 3; ++i) {
+      float* v = vertices.as<float>() + (3 + i) * 4;
+      std::copy_n(kCover[i], 2, v);
+      for (int axis = 0; axis < 2; ++axis) v[2 + axis] = (kCover[i][axis] + 1) / 2;  // 0 to 1 over the framebuffer
+    }
   }
 
   static VkAttachmentDescription description(VkFormat format, VkSampleCountFlagBits samples) {
@@ -131,8 +135,8 @@ class SampleClient : public PipelineClient {
     return out;
   }
 
-  VkPipeline pipeline(const VkStencilOpState* stencil = nullptr) {
-    Drawing drawing{.layout = layout, .pass = pass, .vertex = module(kColorVertex), .fragment = module(kColorFragment)};
+  VkPipeline pipeline(const VkStencilOpState* stencil = nullptr, std::span<const uint32_t> fragment = kColorFragment) {
+    Drawing drawing{.layout = layout, .pass = pass, .vertex = module(kColorVertex), .fragment = module(fragment)};
     drawing.samples = info.samples;
     drawing.stencil = stencil;
     drawing.depth_compare = VK_COMPARE_OP_ALWAYS;
@@ -193,6 +197,28 @@ TEST(IcdSamples, TriangleResolvesToItsExactCoverage) {
           ASSERT_EQ(client.pixels.as<uint32_t>()[y * kSize + x], want)
               << x << ' ' << y << " of " << samples << (in_pass ? " in the pass" : " by command");
         }
+      }
+    }
+  }
+}
+
+TEST(IcdSamples, InterpolationFunctions) {
+  constexpr uint32_t kSamples = 4;
+  SampleClient client({.samples = kSamples, .resolves = true});
+  const VkPipeline pipeline = client.pipeline(nullptr, kInterpolateAtFragment);
+  for (uint32_t s = 0; s < kSamples; ++s) {
+    const std::array<float, 4> at{-0.25f, 0.375f, static_cast<float>(s), 0};
+    client.run([&](VkCommandBuffer cb) {
+      client.begin(cb);
+      client.draw(cb, pipeline, 3, at);
+      client.end(cb);
+      client.download(cb, client.resolved);
+    });
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) {
+        const double want[4] = {x + 0.5 - 0.25, y + 0.5 + 0.375, x + 0.5, y + sample_locations(kSamples)[s].y / 16.0};
+        for (uint32_t c = 0; c < 4; ++c)
+          ASSERT_NEAR(client.pixels.data[(y * kSize + x) * 4 + c], 255.0 * want[c] / kSize, 0.501) << x << ' ' << y << ' ' << c;
       }
     }
   }

@@ -25,8 +25,10 @@ class RenderScene : public Scene {
  public:
   explicit RenderScene(RenderTarget::Attachments attachments = RenderTarget::Attachments::kColour) : attachments_(attachments) {}
 
+  void set_samples(uint32_t samples) { samples_ = samples; }  // of a pixel; before prepare()
+
   void prepare(VkContext& context, VkExtent2D extent) final {
-    target_ = std::make_unique<RenderTarget>(context, extent, attachments_);
+    target_ = std::make_unique<RenderTarget>(context, extent, attachments_, samples_);
     create(context, *target_);
   }
   void record(VkCommandBuffer commands) const final {
@@ -43,7 +45,14 @@ class RenderScene : public Scene {
 
  private:
   RenderTarget::Attachments attachments_;
+  uint32_t samples_ = 1;
   std::unique_ptr<RenderTarget> target_;
 };
+
+// A RenderScene, with `samples` samples a pixel.
+inline std::unique_ptr<Scene> with_samples(std::unique_ptr<Scene> scene, uint32_t samples) {
+  dynamic_cast<RenderScene&>(*scene).set_samples(samples);
+  return scene;
+}
 
 }  // namespace pineda::tools

@@ -17,6 +17,15 @@ constexpr SceneInfo kScenes[] = {
     {"triangle", "Triangle", "One triangle, a colour at each corner", make_triangle_scene, nullptr},
     {"blend", "Blending", "Overlapping translucent quads", make_blend_scene, nullptr},
     {"cubes", "Cubes", "1,000 instanced cubes with depth", make_cubes_scene, nullptr},
+    {"cubes-4x", "Cubes, 4 samples", "The same, with 4 samples a pixel", [] { return with_samples(make_cubes_scene(), 4); },
+     nullptr},
+    {"blend-4x", "Blending, 4 samples", "Overlapping translucent quads, with 4 samples a pixel",
+     [] { return with_samples(make_blend_scene(), 4); }, nullptr},
+    {"engine-4x", "Two-cylinder engine, 4 samples", "The engine, with 4 samples a pixel",
+     [] {
+       return with_samples(make_model_scene(PINEDA_ASSIMP_MODELS "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb"), 4);
+     },
+     nullptr},
     {"mandelbrot", "Mandelbrot", "Compute shader into a storage buffer", make_mandelbrot_scene, nullptr},
     {"filtering", "Filtering", "A texture from magnified to its smallest level, trilinear",
      [] { return make_sampling_scene(SamplingKind::kFiltering); }, nullptr},

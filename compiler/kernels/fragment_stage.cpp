@@ -50,6 +50,15 @@ Value FragmentStage::input(Builder& b, const spirv::InterfaceScalar& in) {
   return place_.position.varying(b, provisional_slot(in.location, in.component), in, at);
 }
 
+Value FragmentStage::input_at(Builder& b, const spirv::InterfaceScalar& in, const spirv::InterpolationPlace& place) {
+  if (in.built_in || in.type != Type::kF32 || in.component > 3) return {};
+  PixelOffset offset{place.offset[0], place.offset[1]};
+  if (place.sample && place_.samples > 1)
+    offset = sample_offset(b, place_.samples, b.and_(place.sample, b.i32(place_.samples - 1)));
+  const Barycentrics at = place.centroid ? centroid_ : place_.position.barycentrics(b, offset);
+  return place_.position.varying(b, provisional_slot(in.location, in.component), in, at);
+}
+
 void FragmentStage::output(Builder& b, const spirv::InterfaceScalar& out, Value value) {
   if (out.built_in) {
     if (*out.built_in == BuiltIn::kFragDepth) depth = value;

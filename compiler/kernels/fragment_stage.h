@@ -24,6 +24,7 @@ class FragmentStage final : public Stage {
   FragmentStage(const compiler::GraphicsSource& source, ir::Builder& b, const FragmentPlace& place);
 
   ir::Value input(ir::Builder& b, const spirv::InterfaceScalar& in) override;
+  ir::Value input_at(ir::Builder& b, const spirv::InterfaceScalar& in, const spirv::InterpolationPlace& place) override;
   void output(ir::Builder& b, const spirv::InterfaceScalar& out, ir::Value value) override;
   ir::Value covered(ir::Builder&) override { return place_.covered; }
 

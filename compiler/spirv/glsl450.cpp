@@ -178,7 +178,8 @@ constexpr ExtRow kRows[] = {
 struct Table {
   std::array<const ExtRow*, GLSLstd450Count> rows{};
   Table() {
-    for (auto group : {std::span<const ExtRow>(kRows), glsl_exponent_rows(), glsl_geometry_rows(), glsl_pack_rows()}) {
+    for (auto group : {std::span<const ExtRow>(kRows), glsl_exponent_rows(), glsl_geometry_rows(), glsl_pack_rows(),
+                       glsl_interpolate_rows()}) {
       for (const ExtRow& row : group) rows[row.number] = &row;
     }
   }

@@ -113,7 +113,7 @@ VkImageViewType view_type(const ImageType& image) {
 
 uint32_t dimensions(const ImageType& image) {
   if (image.dim == spv::Dim1D || image.dim == spv::DimBuffer) return 1;
-  return image.dim == spv::Dim2D ? 2 : 3;
+  return image.dim == spv::Dim2D || image.dim == spv::DimSubpassData ? 2 : 3;
 }
 
 const ImageType& image_type(Translator& t, const Instruction& inst, const Opaque& o) {
@@ -334,7 +334,7 @@ ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_wo
                        uint32_t operands_word) {
   const Opaque o = t.opaque(inst, image_word);
   const ImageType& image = image_type(t, inst, o);
-  if (!image.storage) inst.fail("the image is not a storage image");
+  if (!image.storage || image.dim == spv::DimSubpassData) inst.fail("the image is not a storage image");
   ImageAccess a{.image = o.image};
   a.view_type = view_type(image);
   a.format = vulkan_format(image.format);
@@ -349,7 +349,29 @@ ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_wo
   return a;
 }
 
+// An input attachment at the fragment's own place, which the coordinate is relative to: a fetch.
+void subpass_read(Translator& t, const Instruction& inst, const Opaque& o, const ImageType& image) {
+  SampleRequest r{.image = o.image, .sampler = o.image, .view_type = view_type(image), .result = component_type(t, o)};
+  const std::array<Value, 4> offset = coordinates(t, inst, 4, 2, false);
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const Value place = t.stage.input(t.b, {.built_in = BuiltIn::kFragCoord, .component = axis});
+    if (!place) inst.fail("input attachments are for fragment shaders");
+    r.coord[axis] = t.b.iadd(t.b.convert(ir::Op::kFToS, ir::Type::kI32, place), offset[axis]);
+  }
+  const Operands operands = read_operands(t, inst, 5, ir::Type::kI32);
+  if (image.multisampled != static_cast<bool>(operands.sample)) inst.fail("Sample goes with multisampled images");
+  r.lod_mode = LodMode::kFetch;
+  r.lod = t.b.i32(0);
+  r.sample = operands.sample;
+  const Texel texel = ask(t, inst, r);
+  const Type& type = t.result_type(inst);
+  t.define(inst, Values(texel.begin(), texel.begin() + (type.kind == TypeKind::kVector ? type.count : 1)));
+}
+
 void read(Translator& t, const Instruction& inst) {
+  const Opaque o = t.opaque(inst, 3);
+  if (const ImageType& image = image_type(t, inst, o); image.dim == spv::DimSubpassData)
+    return subpass_read(t, inst, o, image);
   const ImageAccess a = access_for(t, inst, 3, 4, 5);
   const std::optional<Texel> texel = t.stage.image_load(t.b, a);
   if (!texel) inst.fail("this image cannot be read here");

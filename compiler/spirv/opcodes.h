@@ -42,6 +42,7 @@ std::span<const ExtRow> glsl_common_rows();
 std::span<const ExtRow> glsl_exponent_rows();
 std::span<const ExtRow> glsl_geometry_rows();
 std::span<const ExtRow> glsl_pack_rows();
+std::span<const ExtRow> glsl_interpolate_rows();
 void glsl_std_450(Translator& t, const Instruction& inst);
 
 }  // namespace pineda::spirv

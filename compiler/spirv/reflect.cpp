@@ -13,6 +13,7 @@ class Recorder final : public StageInterface {
   explicit Recorder(ModuleInfo& info) : info_(info) {}
 
   ir::Value input(ir::Builder& b, const InterfaceScalar& in) override { return b.zero(in.type); }
+  ir::Value input_at(ir::Builder& b, const InterfaceScalar& in, const InterpolationPlace&) override { return b.zero(in.type); }
   void output(ir::Builder&, const InterfaceScalar&, ir::Value) override {}
   std::optional<BufferRef> buffer(ir::Builder& b, uint32_t, uint32_t, ir::Value) override {
     return BufferRef{.base = b.draw_ptr(), .size_bytes = b.i32(0)};

@@ -211,13 +211,6 @@ TEST(SpirvStage, Refusals) {
   const std::string sparse = "#extension GL_ARB_sparse_texture2 : require\nlayout(set = 0, binding = 0) uniform sampler2D s;"
                              "void main() { vec4 c; sparseTextureARB(s, vec2(0.5), c); gl_Position = c; }";
   EXPECT_NE(error_of(kVertex, glsl(kVertex, sparse)).find("SparseResidency"), std::string::npos);
-  EXPECT_NE(
-      error_of(
-          kFragment,
-          glsl(kFragment,
-               "layout(location = 0) in vec2 v; layout(location = 0) out vec2 c; void main() { c = interpolateAtCentroid(v); }"))
-          .find("InterpolationFunction"),
-      std::string::npos);
   Words version = good;
   version[1] = 0x00020000;
   EXPECT_NE(error_of(kVertex, version).find("version"), std::string::npos);

@@ -33,6 +33,9 @@ constexpr CapabilityRow kCapabilities[] = {
     YES(DrawParameters),
     YES(DemoteToHelperInvocationEXT),
     YES(SampleRateShading),
+    YES(InputAttachment),
+    YES(InterpolationFunction),
+    YES(StencilExportEXT),
     YES(ClipDistance),
     YES(CullDistance),
     YES(MultiViewport),
@@ -97,13 +100,11 @@ constexpr CapabilityRow kCapabilities[] = {
     NO(SampledRect),
     NO(ImageRect),
     NO(GenericPointer),
-    NO(InputAttachment),
     NO(SparseResidency),
     YES(MinLod),
     NO(ImageMSArray),
     YES(SampledBuffer),
     YES(ImageBuffer),
-    NO(InterpolationFunction),
     NO(TransformFeedback),
     NO(GeometryStreams),
     NO(UniformDecoration),
@@ -157,6 +158,7 @@ void check_execution_mode(const Instruction& inst) {
     case spv::ExecutionModeDepthGreater:
     case spv::ExecutionModeDepthLess:
     case spv::ExecutionModeDepthUnchanged:
+    case spv::ExecutionModeStencilRefReplacingEXT:
     case spv::ExecutionModeLocalSize:
     case spv::ExecutionModeLocalSizeId:
       return;

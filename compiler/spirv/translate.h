@@ -143,12 +143,22 @@ struct ImageAccess {  // storage images
   ir::Value sample;  // I32, multisampled images
 };
 
+// Where in its pixel an input is evaluated (GLSL.std.450 InterpolateAt*): the centroid; sample number `sample` (I32); or `offset`
+// (F32, px) from the centre.
+struct InterpolationPlace {
+  bool centroid = false;
+  ir::Value sample;
+  std::array<ir::Value, 2> offset{};
+};
+
 // Implemented by compiler/kernels. Every call appends to `b` at its current place; an unset Value or empty optional means
 // "not supported here", and the translator turns it into an error that names the instruction.
 class StageInterface {
  public:
   virtual ~StageInterface() = default;
   virtual ir::Value input(ir::Builder& b, const InterfaceScalar& in) = 0;
+  // Fragment stage: a located input at another place of the pixel.
+  virtual ir::Value input_at(ir::Builder&, const InterfaceScalar&, const InterpolationPlace&) { return {}; }
   // Called once for each output scalar when every invocation has left the entry point.
   virtual void output(ir::Builder& b, const InterfaceScalar& out, ir::Value value) = 0;
   // Buffer binding or push constants (set == kPushConstants). array_index is I32 and below the declared array length.

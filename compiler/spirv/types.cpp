@@ -102,8 +102,10 @@ void image(const Module& m, Type& t, const Instruction& inst) {
   if (texel.scalar != ir::Type::kF32 && texel.scalar != ir::Type::kI32) inst.fail("the sampled type must be a 32-bit number");
   if (inst.word(7) != 1 && inst.word(7) != 2) inst.fail("Sampled must be 1 or 2 in Vulkan");
   const spv::Dim dim = t.image.dim;
-  const bool known = dim == spv::Dim1D || dim == spv::Dim2D || dim == spv::Dim3D || dim == spv::DimCube || dim == spv::DimBuffer;
-  if (!known) inst.fail("only 1D, 2D, 3D, Cube and Buffer images are supported");
+  const bool known = dim == spv::Dim1D || dim == spv::Dim2D || dim == spv::Dim3D || dim == spv::DimCube ||
+                     dim == spv::DimBuffer || dim == spv::DimSubpassData;
+  if (!known) inst.fail("only 1D, 2D, 3D, Cube, Buffer and SubpassData images are supported");
+  if (dim == spv::DimSubpassData && (!t.image.storage || t.image.arrayed)) inst.fail("SubpassData has Sampled 2 and no layers");
   if ((dim == spv::Dim3D || dim == spv::DimBuffer) && t.image.arrayed) inst.fail("3D images and buffers cannot be arrayed");
 }
 

@@ -27,6 +27,10 @@ std::span<const BenchScene> bench_scenes() {
       {"lit-layers", "16 lit layers front to back", kHd, layers(LayerKind::kLitFrontToBack, 16)},
       {"tiny-triangles", "1 M tiny triangles with depth", kFullHd, mesh({.columns = 1000, .rows = 500})},
       {"lit-mesh", "262 k triangle lit mesh", kHd, mesh({.columns = 512, .rows = 256})},
+      {"lit-mesh-4x", "262 k triangle lit mesh, 4 samples", kHd,
+       [] { return with_samples(make_lit_mesh_scene({.columns = 512, .rows = 256}), 4); }},
+      {"lit-mesh-8x", "262 k triangle lit mesh, 8 samples (lavapipe: 4, its most)", kHd,
+       [] { return with_samples(make_lit_mesh_scene({.columns = 512, .rows = 256}), 8); }},
       {"depth-only", "depth of 1 M triangles", {2048, 2048}, mesh({.columns = 1000, .rows = 500, .depth_only = true})},
       {"many-draws", "10,000 draws of 16 triangles", kHd, mesh({.columns = 400, .rows = 200, .draw_count = 10'000})},
   };

@@ -155,6 +155,12 @@ VkContext::~VkContext() {
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
+VkSampleCountFlags VkContext::sample_counts() const {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical_device_, &properties);
+  return properties.limits.framebufferColorSampleCounts & properties.limits.framebufferDepthSampleCounts;
+}
+
 DeviceInfo VkContext::info() const {
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical_device_, &properties);

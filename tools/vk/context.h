@@ -29,6 +29,7 @@ class VkContext {
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
   DeviceInfo info() const;
+  VkSampleCountFlags sample_counts() const;  // of colour and depth attachments together
 
   uint32_t memory_type(uint32_t allowed_types, VkMemoryPropertyFlags wanted) const;
   VkCommandBuffer record(const std::function<void(VkCommandBuffer)>& commands);  // freed with the context, or by release()

@@ -138,7 +138,7 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
                                                              .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
                                                              .lineWidth = 1.0f};
   const VkPipelineMultisampleStateCreateInfo multisample{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-                                                         .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+                                                         .rasterizationSamples = target.samples()};
   const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
                                                     .depthTestEnable = desc.depth_test,
                                                     .depthWriteEnable = desc.depth_write,

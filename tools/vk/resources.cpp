@@ -45,14 +45,15 @@ Buffer create_buffer(VkContext& context, std::span<const std::byte> content, VkB
   return buffer;
 }
 
-Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage) {
+Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage,
+                     VkSampleCountFlagBits samples) {
   const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                .imageType = VK_IMAGE_TYPE_2D,
                                .format = format,
                                .extent = {extent.width, extent.height, 1},
                                .mipLevels = mip_levels,
                                .arrayLayers = 1,
-                               .samples = VK_SAMPLE_COUNT_1_BIT,
+                               .samples = samples,
                                .tiling = VK_IMAGE_TILING_OPTIMAL,
                                .usage = usage,
                                .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED};
@@ -129,18 +130,25 @@ SamplerHandle create_trilinear_sampler(VkContext& context) {
   return {context.device(), sampler};
 }
 
-RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments)
+RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples)
     : extent_(extent), attachments_(attachments) {
+  while (samples > 1 && !(context.sample_counts() & samples)) samples /= 2;
+  samples_ = static_cast<VkSampleCountFlagBits>(samples);
   std::vector<VkImageView> views;
   if (has_colour()) {
     colour_ =
         create_image(context, extent, 1, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-    views.push_back(colour_.view);
+    if (resolves()) {
+      constexpr VkImageUsageFlags kUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
+      samples_colour_ = create_image(context, extent, 1, kColourFormat, kUsage, samples_);
+    }
+    views.push_back(resolves() ? samples_colour_.view : colour_.view);
   }
   if (has_depth()) {
-    depth_ = create_image(context, extent, 1, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    depth_ = create_image(context, extent, 1, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, samples_);
     views.push_back(depth_.view);
   }
+  if (resolves()) views.push_back(colour_.view);
   create_render_pass(context);
   const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                      .renderPass = render_pass_,
@@ -156,7 +164,7 @@ RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments at
 
 void RenderTarget::create_render_pass(VkContext& context) {
   const VkAttachmentDescription colour{.format = kColourFormat,
-                                       .samples = VK_SAMPLE_COUNT_1_BIT,
+                                       .samples = samples_,
                                        .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
                                        .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
                                        .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
@@ -172,11 +180,21 @@ void RenderTarget::create_render_pass(VkContext& context) {
   std::vector<VkAttachmentDescription> attachments;
   if (has_colour()) attachments.push_back(colour);
   if (has_depth()) attachments.push_back(depth);
+  const VkAttachmentReference resolve_reference{static_cast<uint32_t>(attachments.size()),
+                                                VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  if (resolves()) {  // the samples stay in the tiles, their average is the product
+    attachments.push_back(colour);
+    attachments.back().samples = VK_SAMPLE_COUNT_1_BIT;
+    attachments.back().loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachments[0].storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    attachments[0].finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  }
   const VkAttachmentReference colour_reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depth_reference{has_colour() ? 1u : 0u, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
   const VkSubpassDescription subpass{.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
                                      .colorAttachmentCount = has_colour() ? 1u : 0u,
                                      .pColorAttachments = has_colour() ? &colour_reference : nullptr,
+                                     .pResolveAttachments = resolves() ? &resolve_reference : nullptr,
                                      .pDepthStencilAttachment = has_depth() ? &depth_reference : nullptr};
   constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
                                                      VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |

@@ -37,7 +37,8 @@ struct Image2D {
   uint32_t mip_levels = 1;
 };
 
-Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage);
+Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels, VkFormat format, VkImageUsageFlags usage,
+                     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT);
 // Uploads all levels by one buffer-to-image copy; ready for sampling. The format has the texels of an Image: R8G8B8A8_UNORM or
 // _SRGB.
 Image2D create_texture(VkContext& context, std::span<const Image> mip_levels, VkFormat format);
@@ -50,7 +51,8 @@ void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout fr
 class RenderTarget {
  public:
   enum class Attachments { kColour, kColourDepth, kDepth };
-  RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments);
+  // With several samples a pixel the colour is resolved at the pass's end; of those asked for, as many as the driver has.
+  RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples = 1);
 
   void begin(VkCommandBuffer commands, std::array<float, 4> clear_colour) const;
   VkExtent2D extent() const { return extent_; }
@@ -58,13 +60,16 @@ class RenderTarget {
   bool has_colour() const { return attachments_ != Attachments::kDepth; }
   bool has_depth() const { return attachments_ != Attachments::kColour; }
   const Image2D& colour() const { return colour_; }
+  VkSampleCountFlagBits samples() const { return samples_; }
 
  private:
   void create_render_pass(VkContext& context);
+  bool resolves() const { return has_colour() && samples_ != VK_SAMPLE_COUNT_1_BIT; }
 
   VkExtent2D extent_;
   Attachments attachments_;
-  Image2D colour_, depth_;
+  VkSampleCountFlagBits samples_;
+  Image2D colour_, samples_colour_, depth_;
   RenderPassHandle render_pass_;
   FramebufferHandle framebuffer_;
 };
