@@ -125,6 +125,7 @@ void VkContext::create_device() {
   VkPhysicalDeviceFeatures available;
   vkGetPhysicalDeviceFeatures(physical_device_, &available);
   const VkPhysicalDeviceFeatures features{.samplerAnisotropy = available.samplerAnisotropy,
+                                          .fragmentStoresAndAtomics = available.fragmentStoresAndAtomics,
                                           .shaderImageGatherExtended = available.shaderImageGatherExtended};
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .queueCreateInfoCount = 1,
