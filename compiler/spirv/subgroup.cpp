@@ -231,7 +231,12 @@ void combine(Translator& t, const Instruction& inst) {
       inst.fail("has an operand of the wrong type");
     }
   }
-  each(t, inst, 5, [&](Value v) { return t.b.reduce(kOp, scan, v, cluster); });
+  each(t, inst, 5, [&](Value v) {
+    const Value out = t.b.reduce(kOp, scan, v, cluster);
+    // SPIR-V's identity is +0, the IR's -0: they differ where no lane came before.
+    const bool add_zero = kOp == ReduceOp::kFAdd && scan == Scan::kExclusive;
+    return add_zero ? t.b.fadd(out, t.b.fconst(t.b.type(out), 0.0)) : out;
+  });
 }
 
 constexpr OpRow kRows[] = {
