@@ -328,6 +328,7 @@ class Machine {
         mask = lanes_where(body.again, mask);
         copy(body.carried, mask);
       });
+      if (kernels_stopped()) return;
     }
   }
 

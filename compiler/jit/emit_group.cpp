@@ -315,7 +315,8 @@ void Emitter::emit_group_loop(ir::Value v, std::optional<uint32_t> mask_offset) 
   for (ir::Value r : results_of(v)) {
     if (!is_kept(r)) value_[r.id] = scalar(values[kernel_.at(r).imm + 1]);
   }
-  b_.CreateCondBr(repeat, body, done);
+  V stop = b_.CreateLoad(b_.getInt32Ty(), stop_ptr_, /*isVolatile=*/true);  // as in emit_loop
+  b_.CreateCondBr(b_.CreateAnd(repeat, b_.CreateIsNull(stop)), body, done);
   start(done);
 }
 
