@@ -5,12 +5,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>
 
 #include "compiler/eval/eval.h"
+#include "compiler/ir/wave_frame.h"
 #include "compiler/jit/jit.h"
 #include "compiler/passes/passes.h"
 #include "tools/fuzz/memory_stage.h"
@@ -209,6 +212,12 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
   const eval::Program oracle(prepared.kernel, eval::Mode::kF32);
   const auto memory = std::make_unique<Memory>(), initial = std::make_unique<Memory>(), expected = std::make_unique<Memory>();
   const PrimRecord prim{nullptr, 0, 1};
+  // What a wave keeps across barriers; the evaluator has its own.
+  const size_t frame_bytes = std::max<size_t>(ir::wave_frame(prepared.kernel).bytes, ir::WaveFrame::kAlignmentBytes);
+  const std::unique_ptr<void, decltype(&std::free)> frame(std::aligned_alloc(ir::WaveFrame::kAlignmentBytes, frame_bytes),
+                                                          &std::free);
+  ThreadContext thread{};
+  thread.wave_frames = static_cast<uint8_t*>(frame.get());
   // All runs work on `memory`, because the table holds its addresses.
   const auto reset = [&](uint32_t round) { initialise(*memory, prepared, seed + round); };
   std::vector<std::unique_ptr<Code>> codes;
@@ -221,11 +230,11 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
   note_running();
   for (uint32_t round = 0; round < rounds; ++round) {
     reset(round);
-    oracle.run(&memory->table, nullptr, &prim, 1, &memory->wave);
+    oracle.run(&memory->table, &thread, &prim, 1, &memory->wave);
     *expected = *memory;
     for (size_t i = 0; i < codes.size(); ++i) {
       reset(round);
-      codes[i]->code.fn(nullptr, &memory->table, nullptr, &prim, 1, &memory->wave);
+      codes[i]->code.fn(nullptr, &memory->table, &thread, &prim, 1, &memory->wave);
       if (const Difference d = first_difference(*expected, *memory); d.where) {
         return {Outcome::Kind::kDiffered, "instruction set " + std::to_string(i) + ", round " + std::to_string(round) +
                                               ": first in " + d.where + ", byte " + std::to_string(d.byte)};
