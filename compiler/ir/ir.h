@@ -126,9 +126,7 @@ inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another (a
 inline constexpr uint8_t kWrap = 32;       // Load, Store: offset + lane * lane_stride wraps at 2^32
 
 inline constexpr uint32_t kMaxOperands = 5;
-inline constexpr uint32_t kMaxRegionDepth = 256;    // of nested Ifs and Loops: passes and back ends recurse over them
 inline constexpr uint64_t kMaxRecordBytes = 4096;   // of a Call
-inline constexpr uint64_t kMaxLocalBytes = 131072;  // of all Locals of a lane: back ends keep them on the stack
 
 struct Inst {
   Op op = Op::kInvalid;

@@ -5,7 +5,7 @@
 
 namespace pineda::ir {
 
-inline constexpr uint32_t kMaxDepth = 2304;               // of nested Ifs and Loops: passes and back ends recurse over them
-inline constexpr uint64_t kMaxLocalTotalBytes = 1u << 22;  // of all Locals of a lane; the JIT takes less of what passes/ssa leaves
+inline constexpr uint32_t kMaxRegionDepth = 2304;     // of nested Ifs and Loops: passes and back ends recurse over them
+inline constexpr uint64_t kMaxLocalBytes = 1u << 22;  // of all Locals of a lane; the JIT takes less of what passes/ssa leaves
 
 }  // namespace pineda::ir

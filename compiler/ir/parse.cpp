@@ -171,7 +171,7 @@ class Parser {
     if (!name.empty() && !names_.emplace(name, v).second) return void(fail(std::string(name) + " is defined twice"));
     if (!has_regions(inst.op)) return;
     if (!accept("{")) return void(fail("expected '{'"));
-    if (open_.size() > kMaxDepth) return void(fail("regions are nested too deeply"));
+    if (open_.size() > kMaxRegionDepth) return void(fail("regions are nested too deeply"));
     open_.push_back({v, region_});
     region_ = add_region();
     kernel_.at(v).region[0] = region_;

@@ -1,10 +1,10 @@
 // The rules a kernel must keep, beyond ir.h:
-//   * each instruction stands in one region, each region belongs to one If, Loop or root; nesting is at most kMaxDepth
+//   * each instruction stands in one region, each region belongs to one If, Loop or root; nesting is at most kMaxRegionDepth
 //   deep;
 //   * both regions of an If exist; every If/Loop region ends with its only Yield;
 //   * the LoopArgs 0..n-1 are the first instructions of a loop body, all present and in order;
 //   * Results follow their If or Loop at once;
-//   * Locals stand in the wave region, before anything else that is not a Local, and take at most kMaxLocalTotalBytes together;
+//   * Locals stand in the wave region, before anything else that is not a Local, and take at most kMaxLocalBytes together;
 //   * draw and prim hold only pure instructions and invariant loads that such a rate can know;
 //   * a float constant that is a NaN is the canonical one.
 // The type rules of ops.inc are check_types().
@@ -200,7 +200,7 @@ class Verifier {
     if (id == 0 || id >= kernel_.regions.size()) return fail(owner, "a region is missing");
     if (used_[id]) return fail(owner, "a region is used twice");
     used_[id] = true;
-    if (depth > static_cast<int>(kMaxDepth)) return fail(owner, "regions are nested too deeply");
+    if (depth > static_cast<int>(kMaxRegionDepth)) return fail(owner, "regions are nested too deeply");
     const auto& insts = kernel_.regions[id].insts;
     if (owner && (insts.empty() || !valid(insts.back()) || kernel_.at(insts.back()).op != Op::kYield)) {
       return fail(owner, "a region does not end with yield");
@@ -302,7 +302,7 @@ class Verifier {
                    ? nullptr
                    : "imm is out of range";
       case Op::kLocal:
-        return inst.imm > 0 && inst.imm <= kMaxLocalTotalBytes ? nullptr : "count is out of range";
+        return inst.imm > 0 && inst.imm <= kMaxLocalBytes ? nullptr : "count is out of range";
       case Op::kCall:
         return inst.imm > 0 && inst.imm <= kMaxRecordBytes ? nullptr : "the record's size is out of range";
       case Op::kLoopArg:
@@ -344,7 +344,7 @@ class Verifier {
       return fail(v, "must stand at the head of the wave region");
     }
     local_bytes_ += kernel_.at(v).imm * size_bytes(kernel_.at(v).type);
-    return local_bytes_ <= kMaxLocalTotalBytes ? true : fail(v, "locals take more than " + std::to_string(kMaxLocalTotalBytes) + " bytes");
+    return local_bytes_ <= kMaxLocalBytes ? true : fail(v, "locals take more than " + std::to_string(kMaxLocalBytes) + " bytes");
   }
 
   bool loop_args(RegionId id, Value owner) {
