@@ -69,6 +69,8 @@ void print_help() {
       "  PINEDA_THREADS=N                        threads, the caller's included (default: one per core)\n"
       "  PINEDA_ISA=sse42|avx2|avx512            instruction set (default: the best that the CPU has; same bits)\n"
       "  PINEDA_MODE=jit|f32|f64|check           machine code; evaluator; evaluator in double precision; both, compared\n"
+      "  PINEDA_PRECISION=fast|default|exact     transcendental functions: within Vulkan's demands; within a few ULP; correctly\n"
+      "                                          rounded but for ties (docs/errors.md has the measured error of each)\n"
       "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
       "  PINEDA_TIMEOUT=N|off                    seconds that a submission may run before the device is lost (default: 120)\n"
       "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
@@ -101,6 +103,7 @@ Config read_environment() {
   c.threads = number("PINEDA_THREADS", 256);
   c.isa = text("PINEDA_ISA");
   c.mode = static_cast<Mode>(choice("PINEDA_MODE", {"jit", "f32", "f64", "check"}, "jit, f32, f64 or check"));
+  c.precision = static_cast<Precision>(choice("PINEDA_PRECISION", {"default", "fast", "exact"}, "fast, default or exact"));
   constexpr uint32_t kTiles[] = {0, 16, 32, 64};
   c.tile_px = kTiles[choice("PINEDA_TILE", {"", "16", "32", "64"}, "16, 32 or 64")];
   // The evaluator takes a thousand times as long, so it has no limit that nobody asked for.

@@ -9,6 +9,9 @@ namespace pineda {
 
 enum class Mode : uint8_t { kJit, kF32, kF64, kCheck };
 
+// Which algorithms passes/lower_math chooses; docs/errors.md has the error of each.
+enum class Precision : uint8_t { kDefault, kFast, kExact };
+
 enum DebugFlag : uint32_t {
   kDebugIr = 1u << 0,     // final IR of each kernel
   kDebugLlvm = 1u << 1,   // LLVM IR
@@ -26,13 +29,14 @@ enum DebugFlag : uint32_t {
 };
 
 struct Config {
-  uint32_t threads = 0;    // PINEDA_THREADS; 0 = one per core
-  std::string isa;         // PINEDA_ISA; empty = best
-  Mode mode = Mode::kJit;  // PINEDA_MODE=jit|f32|f64|check
-  uint32_t tile_px = 0;    // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
-  uint32_t timeout_s = 0;  // PINEDA_TIMEOUT: seconds that a submission may run; 0 = no limit
-  uint32_t debug = 0;      // DebugFlag bits
-  std::string debug_dir;   // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
+  uint32_t threads = 0;                       // PINEDA_THREADS; 0 = one per core
+  std::string isa;                            // PINEDA_ISA; empty = best
+  Mode mode = Mode::kJit;                     // PINEDA_MODE=jit|f32|f64|check
+  Precision precision = Precision::kDefault;  // PINEDA_PRECISION=fast|default|exact
+  uint32_t tile_px = 0;                       // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
+  uint32_t timeout_s = 0;                     // PINEDA_TIMEOUT: seconds that a submission may run; 0 = no limit
+  uint32_t debug = 0;                         // DebugFlag bits
+  std::string debug_dir;                      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };
 
 const Config& config();

@@ -197,7 +197,7 @@ Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash)
   with_deep_stack([&] {
     fault = ir::verify(kernel);
     const bool truth = config().mode == Mode::kF64;
-    if (fault.empty()) passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine);
+    if (fault.empty()) passes::optimize(kernel, truth ? passes::Form::kTruth : passes::Form::kMachine, config().precision);
   });
   if (!fault.empty()) return compile_error(kernel.name + " is not well formed: " + fault);
   auto executable = std::make_shared<BackedKernel>(hash);

@@ -75,7 +75,9 @@ class Builder {
   PINEDA_UNARY(fround_even, FRoundEven) PINEDA_UNARY(fcanon, FCanon)
   PINEDA_COMPARE(feq, FEq) PINEDA_COMPARE(fne, FNe) PINEDA_COMPARE(flt, FLt) PINEDA_COMPARE(fle, FLe)
   PINEDA_UNARY(fsin, FSin) PINEDA_UNARY(fcos, FCos) PINEDA_UNARY(ftan, FTan) PINEDA_UNARY(fasin, FAsin)
-  PINEDA_UNARY(facos, FAcos) PINEDA_UNARY(fatan, FAtan) PINEDA_BINARY(fatan2, FAtan2) PINEDA_UNARY(fexp2, FExp2)
+  PINEDA_UNARY(facos, FAcos) PINEDA_UNARY(fatan, FAtan) PINEDA_BINARY(fatan2, FAtan2) PINEDA_UNARY(fsinh, FSinh)
+  PINEDA_UNARY(fcosh, FCosh) PINEDA_UNARY(ftanh, FTanh) PINEDA_UNARY(fasinh, FAsinh) PINEDA_UNARY(facosh, FAcosh)
+  PINEDA_UNARY(fatanh, FAtanh) PINEDA_UNARY(frsqrt, FRsqrt) PINEDA_UNARY(fexp2, FExp2)
   PINEDA_UNARY(flog2, FLog2) PINEDA_UNARY(flog2_coarse, FLog2Coarse) PINEDA_UNARY(fexp, FExp) PINEDA_UNARY(flog, FLog) PINEDA_BINARY(fpow, FPow)
 // clang-format on
 #undef PINEDA_UNARY

@@ -170,6 +170,9 @@ struct Kernel {
   const Inst& at(Value v) const { return insts[v.id]; }
 };
 
+// What passes/lower_math replaces.
+constexpr bool is_transcendental(Op op) { return op >= Op::kFSin && op <= Op::kFPow; }
+
 constexpr bool is_float(Type t) { return t == Type::kF16 || t == Type::kF32 || t == Type::kF64; }
 constexpr bool is_int(Type t) { return t >= Type::kI8 && t <= Type::kI64; }
 constexpr uint32_t size_bytes(Type t) {  // in memory; B1 is 1

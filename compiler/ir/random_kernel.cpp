@@ -259,9 +259,11 @@ class Generator {
   }
 
   Value transcendental() {
-    const auto op = static_cast<Op>(static_cast<uint32_t>(Op::kFSin) + random_.below(12));
-    const Value x = any(Type::kF32);
-    return op_info(op).operands == 2 ? b_.op(op, Type::kF32, {x, any(Type::kF32)}) : b_.op(op, Type::kF32, {x});
+    constexpr uint32_t kCount = static_cast<uint32_t>(Op::kFPow) - static_cast<uint32_t>(Op::kFSin) + 1;
+    const auto op = static_cast<Op>(static_cast<uint32_t>(Op::kFSin) + random_.below(kCount));
+    const Type type = options_.other_widths && random_.one_in(4) ? Type::kF16 : Type::kF32;
+    const Value x = any(type);
+    return op_info(op).operands == 2 ? b_.op(op, type, {x, any(type)}) : b_.op(op, type, {x});
   }
 
   Value conversion() {

@@ -305,6 +305,20 @@ LaneFn transcendental_fn(Op op) {
       return libm1<[](double x) { return std::atan(x); }>;
     case Op::kFAtan2:
       return libm2<[](double y, double x) { return std::atan2(y, x); }>;
+    case Op::kFSinh:
+      return libm1<[](double x) { return std::sinh(x); }>;
+    case Op::kFCosh:
+      return libm1<[](double x) { return std::cosh(x); }>;
+    case Op::kFTanh:
+      return libm1<[](double x) { return std::tanh(x); }>;
+    case Op::kFAsinh:
+      return libm1<[](double x) { return std::asinh(x); }>;
+    case Op::kFAcosh:
+      return libm1<[](double x) { return std::acosh(x); }>;
+    case Op::kFAtanh:
+      return libm1<[](double x) { return std::atanh(x); }>;
+    case Op::kFRsqrt:
+      return libm1<[](double x) { return 1 / std::sqrt(x); }>;
     case Op::kFExp2:
       return libm1<[](double x) { return std::exp2(x); }>;
     case Op::kFLog2:
@@ -465,7 +479,7 @@ LaneFn lane_fn(Op op, Type result, Type operand, Floats floats) {
       break;
   }
   if (const LaneFn fn = widthless_fn(op)) return fn;
-  if (op >= Op::kFSin && op <= Op::kFPow) return floats == Floats::kDouble ? transcendental_fn(op) : nullptr;
+  if (is_transcendental(op)) return floats == Floats::kDouble ? transcendental_fn(op) : nullptr;
   const Type type = op == Op::kTrunc ? result : operand;
   if (is_float(type)) return with_float(type, floats, [op](auto t) { return float_fn<decltype(t)>(op); });
   return with_int(type, [op](auto u) { return Int<decltype(u)>::fn(op); });

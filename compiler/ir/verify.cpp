@@ -104,7 +104,7 @@ class TypeCheck {
     if (op >= Op::kIAdd && op <= Op::kBitReverse) {
       return is_int(type_) || (logic && type_ == Type::kB1) ? nullptr : "needs integers";
     }
-    if (op >= Op::kFSin && op <= Op::kFPow) return type_ == Type::kF32 ? nullptr : "needs f32";
+    if (is_transcendental(op)) return type_ == Type::kF32 || type_ == Type::kF16 ? nullptr : "needs f16 or f32";
     return is_float(type_) ? nullptr : "needs floats";
   }
 

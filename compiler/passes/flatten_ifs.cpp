@@ -36,7 +36,7 @@ uint32_t cost(const Inst& inst) {
     case Op::kFMa:
       return 2;
     default:
-      if (inst.op >= Op::kFSin && inst.op <= Op::kFPow) return kTooCostly;
+      if (ir::is_transcendental(inst.op)) return kTooCostly;
       return ir::op_info(inst.op).effect == ir::Effect::kPure ? 1 : kTooCostly;
   }
 }

@@ -15,53 +15,64 @@ using ir::Op;
 using ir::Type;
 using ir::Value;
 
-bool is_transcendental(Op op) { return op >= Op::kFSin && op <= Op::kFPow; }
+using Emit = Value (*)(Builder& b, Value x, Value y);
 
-Value emit(Builder& b, Op op, Value x, Value y) {
-  switch (op) {
-    case Op::kFSin:
-      return emit_sin(b, x);
-    case Op::kFCos:
-      return emit_cos(b, x);
-    case Op::kFTan:
-      return emit_tan(b, x);
-    case Op::kFAsin:
-      return emit_asin(b, x);
-    case Op::kFAcos:
-      return emit_acos(b, x);
-    case Op::kFAtan:
-      return emit_atan(b, x);
-    case Op::kFAtan2:
-      return emit_atan2(b, x, y);
-    case Op::kFExp2:
-      return emit_exp2(b, x);
-    case Op::kFLog2:
-      return emit_log2(b, x);
-    case Op::kFLog2Coarse:
-      return emit_log2_coarse(b, x);
-    case Op::kFExp:
-      return emit_exp(b, x);
-    case Op::kFLog:
-      return emit_log(b, x);
-    case Op::kFPow:
-      return emit_pow(b, x, y);
-    default:
-      return {};
-  }
+template <Value (*kFn)(Builder&, Value)>
+Value unary(Builder& b, Value x, Value) {
+  return kFn(b, x);
 }
 
-// binary16 goes through binary32; binary64 has no transcendentals in Vulkan's GLSL set and is left to be refused by the back end.
-Value lower(Builder& b, const Inst& inst) {
-  Value x = inst.operand[0], y = inst.operand[1];
-  if (inst.type == Type::kF32) return emit(b, inst.op, x, y);
-  x = b.convert(Op::kFConvert, Type::kF32, x);
-  if (y) y = b.convert(Op::kFConvert, Type::kF32, y);
-  return b.convert(Op::kFConvert, inst.type, emit(b, inst.op, x, y));
+struct Row {
+  Op op;
+  Emit fast, standard, exact;
+};
+
+// The one table of algorithms.
+constexpr Row kRows[] = {
+    {Op::kFSin, unary<fast::emit_sin>, unary<emit_sin>, unary<exact::emit_sin>},
+    {Op::kFCos, unary<fast::emit_cos>, unary<emit_cos>, unary<exact::emit_cos>},
+    {Op::kFTan, unary<fast::emit_tan>, unary<emit_tan>, unary<exact::emit_tan>},
+    {Op::kFAsin, unary<fast::emit_asin>, unary<emit_asin>, unary<exact::emit_asin>},
+    {Op::kFAcos, unary<fast::emit_acos>, unary<emit_acos>, unary<exact::emit_acos>},
+    {Op::kFAtan, unary<fast::emit_atan>, unary<emit_atan>, unary<exact::emit_atan>},
+    {Op::kFAtan2, fast::emit_atan2, emit_atan2, exact::emit_atan2},
+    {Op::kFSinh, unary<emit_sinh>, unary<emit_sinh>, unary<exact::emit_sinh>},
+    {Op::kFCosh, unary<emit_cosh>, unary<emit_cosh>, unary<exact::emit_cosh>},
+    {Op::kFTanh, unary<emit_tanh>, unary<emit_tanh>, unary<exact::emit_tanh>},
+    {Op::kFAsinh, unary<emit_asinh>, unary<emit_asinh>, unary<exact::emit_asinh>},
+    {Op::kFAcosh, unary<emit_acosh>, unary<emit_acosh>, unary<exact::emit_acosh>},
+    {Op::kFAtanh, unary<emit_atanh>, unary<emit_atanh>, unary<exact::emit_atanh>},
+    {Op::kFRsqrt, unary<emit_rsqrt>, unary<emit_rsqrt>, unary<exact::emit_rsqrt>},
+    {Op::kFExp2, unary<fast::emit_exp2>, unary<emit_exp2>, unary<exact::emit_exp2>},
+    {Op::kFLog2, unary<fast::emit_log2>, unary<emit_log2>, unary<exact::emit_log2>},
+    {Op::kFLog2Coarse, unary<emit_log2_coarse>, unary<emit_log2_coarse>, unary<emit_log2_coarse>},
+    {Op::kFExp, unary<fast::emit_exp>, unary<emit_exp>, unary<exact::emit_exp>},
+    {Op::kFLog, unary<fast::emit_log>, unary<emit_log>, unary<exact::emit_log>},
+    {Op::kFPow, fast::emit_pow, emit_pow, exact::emit_pow},
+};
+constexpr uint32_t kFirst = static_cast<uint32_t>(Op::kFSin);
+
+constexpr bool rows_follow_ops() {
+  for (uint32_t i = 0; i < std::size(kRows); ++i) {
+    if (static_cast<uint32_t>(kRows[i].op) != kFirst + i) return false;
+  }
+  return kRows[std::size(kRows) - 1].op == Op::kFPow;
+}
+static_assert(rows_follow_ops());
+
+Value convert(Builder& b, Type to, Value x) { return b.type(x) == to ? x : b.convert(Op::kFConvert, to, x); }
+
+Value lower(Builder& b, const Inst& inst, Precision precision) {
+  const Row& row = kRows[static_cast<uint32_t>(inst.op) - kFirst];
+  const Emit emit = precision == Precision::kFast ? row.fast : precision == Precision::kExact ? row.exact : row.standard;
+  const Value x = convert(b, Type::kF32, inst.operand[0]);
+  const Value y = inst.operand[1] ? convert(b, Type::kF32, inst.operand[1]) : Value{};
+  return convert(b, inst.type, emit(b, x, y));
 }
 
 }  // namespace
 
-void lower_math(Kernel& k) {
+void lower_math(Kernel& k, Precision precision) {
   Builder b(k);
   std::unordered_map<uint32_t, Value> replacement;
   const size_t regions = k.regions.size();
@@ -71,8 +82,8 @@ void lower_math(Kernel& k) {
     b.set_region(region);
     for (const Value v : before) {
       const Inst inst = k.at(v);
-      if (is_transcendental(inst.op) && (inst.type == Type::kF32 || inst.type == Type::kF16)) {
-        replacement[v.id] = lower(b, inst);
+      if (ir::is_transcendental(inst.op)) {
+        replacement[v.id] = lower(b, inst, precision);
       } else {
         k.regions[region].insts.push_back(v);
       }

@@ -1,13 +1,16 @@
-// Transcendental functions of binary32 as IR: fused multiply-adds and integer operations only, so that every back end computes
-// the same bits. Largest errors, measured by lower_math_test.cpp against double precision over the whole range (ULP of the
-// result):
+// Transcendental functions as IR: additions, multiplications, fused multiply-adds, divisions, square roots and integer operations
+// only, so that every back end computes the same bits. Three sets of algorithms, chosen by PINEDA_PRECISION:
 //
-//     exp2, exp 1.0    log2, log 1.0    pow 2.1    sin, cos 2.1    tan 3.5    asin 2.5    acos 2    atan 1.5    atan2 2
+//     fast       binary32; what Vulkan demands ("Precision and Operation of SPIR-V Instructions") with room, and no more:
+//     denormal
+//                operands and results of exp, log and pow may become zero
+//     (default)  binary32; within 1 to 4 ULP over all inputs, denormals included
+//     exact      binary64, rounded once to the result's format: correctly rounded but where the exact value lies within about
+//                2^-20 ULP (pow) to 2^-27 ULP (the others) of a tie
 //
-// Vulkan 1.3 ("Precision and Operation of SPIR-V Instructions") asks for 3 + 2|x| (exp2, exp), 3 (log2, log), 2^-11 absolute
-// (sin, cos) and 4096 (atan2) ULP. Infinities, zeros and NaN follow C's Annex F, but for pow of a negative base, which is NaN.
-// sin and tan of -0 are +0.
-// Denormals are kept.
+// docs/errors.md has the measured errors (`./run errors` writes it). Infinities, zeros with their signs and NaN follow C's Annex
+// F in all three, but for pow of a negative base, which is NaN. Functions of binary16 are computed in the wider format and
+// rounded once more; fast has functions of its own only where they are cheaper.
 #pragma once
 
 #include "compiler/ir/builder.h"
@@ -28,5 +31,50 @@ ir::Value emit_asin(ir::Builder& b, ir::Value x);
 ir::Value emit_acos(ir::Builder& b, ir::Value x);
 ir::Value emit_atan(ir::Builder& b, ir::Value x);
 ir::Value emit_atan2(ir::Builder& b, ir::Value y, ir::Value x);
+ir::Value emit_sinh(ir::Builder& b, ir::Value x);
+ir::Value emit_cosh(ir::Builder& b, ir::Value x);
+ir::Value emit_tanh(ir::Builder& b, ir::Value x);
+ir::Value emit_asinh(ir::Builder& b, ir::Value x);
+ir::Value emit_acosh(ir::Builder& b, ir::Value x);
+ir::Value emit_atanh(ir::Builder& b, ir::Value x);
+ir::Value emit_rsqrt(ir::Builder& b, ir::Value x);
+
+namespace fast {
+ir::Value emit_exp2(ir::Builder& b, ir::Value x);
+ir::Value emit_exp(ir::Builder& b, ir::Value x);
+ir::Value emit_log2(ir::Builder& b, ir::Value x);
+ir::Value emit_log(ir::Builder& b, ir::Value x);
+ir::Value emit_pow(ir::Builder& b, ir::Value x, ir::Value y);
+ir::Value emit_sin(ir::Builder& b, ir::Value x);
+ir::Value emit_cos(ir::Builder& b, ir::Value x);
+ir::Value emit_tan(ir::Builder& b, ir::Value x);
+ir::Value emit_asin(ir::Builder& b, ir::Value x);
+ir::Value emit_acos(ir::Builder& b, ir::Value x);
+ir::Value emit_atan(ir::Builder& b, ir::Value x);
+ir::Value emit_atan2(ir::Builder& b, ir::Value y, ir::Value x);
+}  // namespace fast
+
+// Operands are F32 (or widened halves); the value is F64.
+namespace exact {
+ir::Value emit_exp2(ir::Builder& b, ir::Value x);
+ir::Value emit_exp(ir::Builder& b, ir::Value x);
+ir::Value emit_log2(ir::Builder& b, ir::Value x);
+ir::Value emit_log(ir::Builder& b, ir::Value x);
+ir::Value emit_pow(ir::Builder& b, ir::Value x, ir::Value y);
+ir::Value emit_sin(ir::Builder& b, ir::Value x);
+ir::Value emit_cos(ir::Builder& b, ir::Value x);
+ir::Value emit_tan(ir::Builder& b, ir::Value x);
+ir::Value emit_asin(ir::Builder& b, ir::Value x);
+ir::Value emit_acos(ir::Builder& b, ir::Value x);
+ir::Value emit_atan(ir::Builder& b, ir::Value x);
+ir::Value emit_atan2(ir::Builder& b, ir::Value y, ir::Value x);
+ir::Value emit_sinh(ir::Builder& b, ir::Value x);
+ir::Value emit_cosh(ir::Builder& b, ir::Value x);
+ir::Value emit_tanh(ir::Builder& b, ir::Value x);
+ir::Value emit_asinh(ir::Builder& b, ir::Value x);
+ir::Value emit_acosh(ir::Builder& b, ir::Value x);
+ir::Value emit_atanh(ir::Builder& b, ir::Value x);
+ir::Value emit_rsqrt(ir::Builder& b, ir::Value x);
+}  // namespace exact
 
 }  // namespace pineda::passes

@@ -1,6 +1,6 @@
 // exp2, exp, log2, log, pow. Coefficients: tools/math/minimax.py, which states method and error.
 #include "compiler/passes/lower_math.h"
-#include "compiler/passes/math_builder.h"
+#include "compiler/passes/math_parts.h"
 
 namespace pineda::passes {
 namespace {
@@ -30,30 +30,7 @@ struct Parts {
 };
 constexpr Parts kLog2E{0x1.715476p+0, 0x1.4ae0cp-26};
 constexpr Parts kPowHead[] = {kLog2E, {-0x1.715476p-1, -0x1.4ae0cp-27}, {0x1.ec709ep-2, -0x1.e2fe02p-29}};
-// ln 2: the high part has 16 bits, so its product with an exponent is exact
-constexpr Parts kLn2{0x1.62e4p-1, 0x1.7f7d1cp-20};
-
-// Positive finite x = 2^exponent * (1 + t), t in [sqrt(1/2) - 1, sqrt(2) - 1]. Other x give rubbish.
-struct LogParts {
-  Value exponent, t;  // F32
-};
-LogParts split(Math& m, Value x) {
-  Builder& b = m.b;
-  const Value denormal = b.flt(x, m.f(0x1p-126));
-  const Value bits = m.raw_bits(b.select(denormal, m.mul(x, m.f(0x1p23)), x));
-  const Value exponent = b.ashr(b.isub(bits, b.i32(0x3f3504f3)), b.i32(23));  // bits of sqrt(1/2)
-  const Value mantissa = m.from_bits(b.isub(bits, b.shl(exponent, b.i32(23))));
-  const Value unbiased = b.select(denormal, b.isub(exponent, b.i32(23)), exponent);
-  return {b.convert(ir::Op::kSToF, ir::Type::kF32, unbiased), m.sub(mantissa, m.f(1))};
-}
-
-Value is_positive_finite(Math& m, Value x) { return m.b.and_(m.b.flt(m.f(0), x), m.b.flt(x, m.inf())); }
-
-// The logarithm where x is not a positive finite number.
-Value log_special(Math& m, Value x) {
-  Builder& b = m.b;
-  return b.select(b.feq(x, m.f(0)), m.f(-std::numeric_limits<double>::infinity()), b.select(b.flt(m.f(0), x), x, m.nan()));
-}
+Value to_float(Builder& b, Value i) { return b.convert(ir::Op::kSToF, ir::Type::kF32, i); }
 
 // Unevaluated sum high + low.
 struct Pair {
@@ -78,7 +55,7 @@ Pair log2_pair(Math& m, Value x) {
   const Value t = parts.t;
   Pair sum{m.mul(t, m.poly(t, kPow)), m.f(0)};
   for (int i = 2; i >= 0; --i) sum = mul(m, t, add(m, m.f(kPowHead[i].high), m.f(kPowHead[i].low), sum));
-  return add(m, parts.exponent, {}, sum);
+  return add(m, to_float(m.b, parts.exponent), {}, sum);
 }
 
 // 2^(high + low); |low| is far below |high|. high may be infinite or NaN; low is used where high is in range only.
@@ -95,26 +72,46 @@ Value exp2_pair(Math& m, Pair x) {
 }  // namespace
 
 Value emit_exp2(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   return exp2_pair(m, {x, {}});
 }
 
-Value emit_exp(Builder& b, Value x) {
-  Math m{b};
+Value exp_shifted(Math& m, Value x, int shift) {
+  Builder& b = m.b;
   const Value clamped = b.fmax(b.fmin(x, m.f(89.5)), m.f(-105));
   const Math::Rounded n = m.round_sum(m.fma(clamped, m.f(kLog2E.high), m.f(Math::kMagic)));
-  const Value r = m.fma(n.value, m.f(-kLn2.low), m.fma(n.value, m.f(-kLn2.high), clamped));
+  const Value r = m.fma(n.value, m.f(-kLn2Low), m.fma(n.value, m.f(-kLn2High), clamped));
   const Value p = m.fma(m.mul(r, r), m.poly(r, kExp), r);
-  return m.scale(m.add(p, m.f(1)), n.integer);
+  const Value power = shift == 0 ? n.integer : b.iadd(n.integer, b.i32(static_cast<uint32_t>(shift)));
+  return m.scale(m.add(p, m.f(1)), power);
+}
+
+LogParts split(Math& m, Value x) {
+  Builder& b = m.b;
+  const Value denormal = b.flt(x, m.f(0x1p-126));
+  const Value bits = m.raw_bits(b.select(denormal, m.mul(x, m.f(0x1p23)), x));
+  const Value exponent = b.ashr(b.isub(bits, b.i32(0x3f3504f3)), b.i32(23));  // bits of sqrt(1/2)
+  const Value mantissa = m.from_bits(b.isub(bits, b.shl(exponent, b.i32(23))));
+  return {b.select(denormal, b.isub(exponent, b.i32(23)), exponent), m.sub(mantissa, m.f(1))};
+}
+
+Value log_of_parts(Math& m, Value exponent, Value t) {
+  const Value tail = m.fma(m.mul(t, t), m.poly(t, kLog), m.mul(exponent, m.f(kLn2Low)));
+  return m.fma(exponent, m.f(kLn2High), m.add(t, tail));
+}
+
+Value emit_exp(Builder& b, Value x) {
+  Math m(b);
+  return exp_shifted(m, x, 0);
 }
 
 Value emit_log2(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   const LogParts parts = split(m, x);
   const Value t = parts.t;
   const Value tail = m.fma(m.mul(t, t), m.poly(t, kLog2), m.mul(t, m.f(kLog2E.low)));
-  const Value sum = m.add(parts.exponent, m.fma(t, m.f(kLog2E.high), tail));
-  return b.select(is_positive_finite(m, x), sum, log_special(m, x));
+  const Value sum = m.add(to_float(b, parts.exponent), m.fma(t, m.f(kLog2E.high), tail));
+  return b.select(m.is_positive_finite(x), sum, m.log_special(x));
 }
 
 // Infinity counts as 2^128.
@@ -127,22 +124,21 @@ Value emit_log2_coarse(Builder& b, Value x) {
 }
 
 Value emit_log(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   const LogParts parts = split(m, x);
-  const Value t = parts.t;
-  const Value tail = m.fma(m.mul(t, t), m.poly(t, kLog), m.mul(parts.exponent, m.f(kLn2.low)));
-  const Value sum = m.fma(parts.exponent, m.f(kLn2.high), m.add(t, tail));
-  return b.select(is_positive_finite(m, x), sum, log_special(m, x));
+  return b.select(m.is_positive_finite(x), log_of_parts(m, to_float(b, parts.exponent), parts.t), m.log_special(x));
 }
 
 Value emit_pow(Builder& b, Value x, Value y) {
-  Math m{b};
-  const Value ordinary = is_positive_finite(m, x);
+  Math m(b);
+  const Value ordinary = m.is_positive_finite(x);
   Pair log = log2_pair(m, x);
-  log = {b.select(ordinary, log.high, log_special(m, x)), b.select(ordinary, log.low, m.f(0))};
+  log = {b.select(ordinary, log.high, m.log_special(x)), b.select(ordinary, log.low, m.f(0))};
   const Value power = exp2_pair(m, mul(m, y, log));
   const Value one = b.or_(b.feq(y, m.f(0)), b.feq(x, m.f(1)));
   return b.select(one, m.f(1), power);
 }
+
+Value emit_rsqrt(Builder& b, Value x) { return b.fdiv(b.f32(1), b.fsqrt(x)); }
 
 }  // namespace pineda::passes

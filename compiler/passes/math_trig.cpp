@@ -1,6 +1,6 @@
 // sin, cos, tan and their inverses. Coefficients: tools/math/minimax.py, which states method and error.
 #include "compiler/passes/lower_math.h"
-#include "compiler/passes/math_builder.h"
+#include "compiler/passes/math_parts.h"
 
 namespace pineda::passes {
 namespace {
@@ -22,82 +22,33 @@ constexpr double kAtan[] = {-0x1.55553ep-2, 0x1.9991e6p-3,  -0x1.2420bcp-3, 0x1.
 constexpr double kPio2[] = {0x1.921fb6p+0, -0x1.777a5cp-25, -0x1.ee59dap-50};
 constexpr double kTwoOverPi = 0x1.45f306p-1;
 
-// x = quadrant * pi/2 + r, |r| <= pi/4 (a little more by rounding).
-struct Reduced {
-  Value r, quadrant;  // F32, I32 (modulo 4 counts)
-};
-
-// W. J. Cody and W. Waite, "Software Manual for the Elementary Functions", 1980: three parts of pi/2, each product subtracted
-// with one rounding; the first difference is exact. For |x| < kCodyWaiteLimit.
+// W. J. Cody and W. Waite, "Software Manual for the Elementary Functions", 1980: parts of pi/2, each product subtracted with one
+// rounding; the first difference is exact. For |x| < kCodyWaiteLimit.
 constexpr double kCodyWaiteLimit = 0x1p17;
-Reduced reduce_small(Math& m, Value x) {
+Reduced reduce_small(Math& m, Value x, uint32_t parts) {
   const Math::Rounded n = m.round_sum(m.fma(x, m.f(kTwoOverPi), m.f(Math::kMagic)));
   Value r = x;
-  for (const double part : kPio2) r = m.fma(n.value, m.f(-part), r);
+  for (uint32_t i = 0; i < parts; ++i) r = m.fma(n.value, m.f(-kPio2[i]), r);
   return {r, n.integer};
 }
 
-// M. Payne and R. Hanek, "Radian Reduction for Trigonometric Functions", 1983: x = M * 2^E with a 24-bit M; of the product with
-// the bits of 2 / pi those that stand for multiples of four turns of pi/2 are left out, which leaves 96 bits to multiply.
 Reduced reduce_large(Math& m, Value x) {
   Builder& b = m.b;
-  // 32 zero bits, then 2 / pi
-  constexpr uint32_t kBits[] = {0, 0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab};
-  const Value bits = m.raw_bits(x);
-  const Value exponent = b.and_(b.lshr(bits, b.i32(23)), b.i32(255));
-  const Value mantissa = b.or_(b.and_(bits, b.i32(0x7fffff)), b.i32(0x800000));
-  // First bit of the window: E - 2 bits of 2 / pi are skipped, E = exponent - 150; at least 22 of the table, since |x| >= 2^17.
-  const Value skip = b.isub(exponent, b.i32(150 + 2 - 32));
-  const Value first_word = b.lshr(skip, b.i32(5)), shift = b.and_(skip, b.i32(31));
-  Value word[4];
-  for (uint32_t w = 0; w < 4; ++w) {
-    word[w] = b.i32(kBits[w]);
-    for (uint32_t first = 1; first <= 4; ++first)
-      word[w] = b.select(b.ieq(first_word, b.i32(first)), b.i32(kBits[first + w]), word[w]);
-  }
-  const auto wide = [&](Value v) { return b.convert(Op::kZExt, Type::kI64, v); };
-  Value product[3];  // 24 x 32 bits; most significant first
-  for (uint32_t w = 0; w < 3; ++w) {
-    // (word : next) << shift; the second shift count is 31 - shift after a shift by one, so that zero needs no care
-    const Value next = b.lshr(b.lshr(word[w + 1], b.i32(1)), b.isub(b.i32(31), shift));
-    product[w] = b.imul(wide(mantissa), wide(b.or_(b.shl(word[w], shift), next)));
-  }
-  const Value thirty_two = b.i64(32);
-  // Upper 64 of the low 96 bits: two of quadrant, the rest a fraction of pi/2.
-  const Value middle = b.iadd(product[1], b.lshr(product[2], thirty_two));
-  const Value top = b.iadd(b.shl(product[0], thirty_two), middle);
-  const Value fraction = b.shl(top, b.i64(2));  // signed: in [-1/2, 1/2) of pi/2, which moves the quadrant up by its sign bit
-  const Value quadrant = b.iadd(b.lshr(top, b.i64(62)), b.lshr(fraction, b.i64(63)));
-  const Value part = b.convert(Op::kSToF, Type::kF32, fraction);  // times pi/2 * 2^-64, in two parts
+  const Turns turns = quarter_turns(m, x, false);
+  const Value part = b.convert(Op::kSToF, Type::kF32, turns.high);  // times pi/2 * 2^-64, in two parts
   const Value scaled = m.fma(part, m.f(kPio2[0] * 0x1p-64), m.mul(part, m.f(kPio2[1] * 0x1p-64)));
-  const Value negative = b.slt(bits, b.i32(0));
-  const Value q = b.convert(Op::kTrunc, Type::kI32, quadrant);
+  const Value negative = m.sign_bit(x);
   const Value r = b.select(b.flt(b.fabs(x), m.inf()), scaled, m.nan());
-  return {b.select(negative, b.fneg(r), r), b.select(negative, b.isub(b.i32(0), q), q)};
-}
-
-Reduced reduce(Math& m, Value x) {
-  Builder& b = m.b;
-  const Reduced small = reduce_small(m, x);
-  const Value is_large = b.not_(b.flt(b.fabs(x), m.f(kCodyWaiteLimit)));  // NaN too
-  const std::vector<Value> chosen = b.if_else(
-      is_large, {Type::kF32, Type::kI32},
-      [&] {
-        const Reduced large = reduce_large(m, x);
-        return std::vector{large.r, large.quadrant};
-      },
-      [&] {
-        return std::vector{small.r, small.quadrant};
-      });
-  return {chosen[0], chosen[1]};
+  return {b.select(negative, b.fneg(r), r), b.select(negative, b.isub(b.i32(0), turns.quadrant), turns.quadrant)};
 }
 
 struct SinCos {
   Value sin, cos;
 };
-SinCos sin_cos_of_reduced(Math& m, Value r) {
+// Of x, whose reduced value is r.
+SinCos sin_cos_of_reduced(Math& m, Value x, Value r) {
   const Value z = m.mul(r, r);
-  const Value sin = m.fma(m.mul(r, z), m.poly(z, kSin), r);
+  const Value sin = m.b.select(m.b.feq(x, m.f(0)), x, m.fma(m.mul(r, z), m.poly(z, kSin), r));  // keeps -0
   // 1 - z/2 is formed with its rounding error, which the small terms take up.
   const Value half = m.mul(z, m.f(0.5));
   const Value high = m.sub(m.f(1), half);
@@ -105,13 +56,11 @@ SinCos sin_cos_of_reduced(Math& m, Value r) {
   return {sin, m.add(high, m.fma(m.mul(z, z), m.poly(z, kCos), low))};
 }
 
-Value bit_set(Builder& b, Value x, uint32_t bit) { return b.ine(b.and_(x, b.i32(bit)), b.i32(0)); }
-
 // sin(x + turns * pi/2)
 Value sin_turned(Builder& b, Value x, uint32_t turns) {
-  Math m{b};
-  const Reduced reduced = reduce(m, x);
-  const SinCos value = sin_cos_of_reduced(m, reduced.r);
+  Math m(b);
+  const Reduced reduced = reduce_to_quadrant(m, x, 3);
+  const SinCos value = sin_cos_of_reduced(m, x, reduced.r);
   const Value quadrant = b.iadd(reduced.quadrant, b.i32(turns));
   const Value magnitude = b.select(bit_set(b, quadrant, 1), value.cos, value.sin);
   return b.select(bit_set(b, quadrant, 2), b.fneg(magnitude), magnitude);
@@ -125,9 +74,6 @@ Value atan_core(Math& m, Value a) {
 
 // pi/2 - x
 Value from_pio2(Math& m, Value x) { return m.sub(m.f(kPio2[0]), m.sub(x, m.f(kPio2[1]))); }
-
-// |magnitude| with the sign of x; magnitude >= 0
-Value with_sign_of(Builder& b, Value negative, Value magnitude) { return b.select(negative, b.fneg(magnitude), magnitude); }
 
 // asin on [0, 1/2]: s + s z p(z), z = s^2
 Value asin_core(Math& m, Value s, Value z) { return m.fma(m.mul(s, z), m.poly(z, kAsin), s); }
@@ -145,48 +91,107 @@ HalfAngle half_angle(Math& m, Value x) {
   return {magnitude, is_large, asin_core(m, s, z)};
 }
 
-// Sign bit of x; that of a NaN does not matter where the result is a NaN.
-Value sign_bit(Math& m, Value x) { return m.b.slt(m.raw_bits(x), m.b.i32(0)); }
-
 }  // namespace
+
+Reduced reduce_to_quadrant(Math& m, Value x, uint32_t parts) {
+  Builder& b = m.b;
+  const Reduced small = reduce_small(m, x, parts);
+  const Value is_large = b.not_(b.flt(b.fabs(x), m.f(kCodyWaiteLimit)));  // NaN too
+  const std::vector<Value> chosen = b.if_else(
+      is_large, {Type::kF32, Type::kI32},
+      [&] {
+        const Reduced large = reduce_large(m, x);
+        return std::vector{large.r, large.quadrant};
+      },
+      [&] {
+        return std::vector{small.r, small.quadrant};
+      });
+  return {chosen[0], chosen[1]};
+}
+
+// M. Payne and R. Hanek, "Radian Reduction for Trigonometric Functions", 1983: x = M * 2^E with a 24-bit M; of the product with
+// the bits of 2 / pi those that stand for multiples of four turns of pi/2 are left out, which leaves 96 (wide: 128) bits to
+// multiply.
+Turns quarter_turns(Math& m, Value x, bool wide) {
+  Builder& b = m.b;
+  // 32 zero bits, then 2 / pi
+  constexpr uint32_t kBits[] = {0,          0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0,
+                                0xdb629599, 0x3c439041, 0xfe5163ab, 0xdebbc561};
+  const uint32_t products = wide ? 4 : 3;
+  const Value bits = m.raw_bits(x);
+  const Value exponent = b.and_(b.lshr(bits, b.i32(23)), b.i32(255));
+  const Value mantissa = b.or_(b.and_(bits, b.i32(0x7fffff)), b.i32(0x800000));
+  // First bit of the window: E - 2 bits of 2 / pi are skipped, E = exponent - 150; at least 22 of the table, since |x| >= 2^17.
+  const Value skip = b.isub(exponent, b.i32(150 + 2 - 32));
+  const Value first_word = b.lshr(skip, b.i32(5)), shift = b.and_(skip, b.i32(31));
+  Value word[5];
+  for (uint32_t w = 0; w <= products; ++w) {
+    word[w] = b.i32(kBits[w]);
+    for (uint32_t first = 1; first <= 4; ++first)
+      word[w] = b.select(b.ieq(first_word, b.i32(first)), b.i32(kBits[first + w]), word[w]);
+  }
+  const auto extend = [&](Value v) { return b.convert(Op::kZExt, Type::kI64, v); };
+  Value product[4];  // 24 x 32 bits; most significant first
+  for (uint32_t w = 0; w < products; ++w) {
+    // (word : next) << shift; the second shift count is 31 - shift after a shift by one, so that zero needs no care
+    const Value next = b.lshr(b.lshr(word[w + 1], b.i32(1)), b.isub(b.i32(31), shift));
+    product[w] = b.imul(extend(mantissa), extend(b.or_(b.shl(word[w], shift), next)));
+  }
+  const Value thirty_two = b.i64(32);
+  Value third = product[2], low;
+  if (wide) {
+    third = b.iadd(third, b.lshr(product[3], thirty_two));
+    low = b.or_(b.shl(third, thirty_two), b.and_(product[3], b.i64(0xffffffff)));
+  }
+  // The upper 64 bits: two of quadrant, the rest a fraction of pi/2.
+  const Value middle = b.iadd(product[1], b.lshr(third, thirty_two));
+  const Value top = b.iadd(b.shl(product[0], thirty_two), middle);
+  Value fraction = b.shl(top, b.i64(2));  // signed: in [-1/2, 1/2) of pi/2, which moves the quadrant up by its sign bit
+  if (wide) {
+    fraction = b.or_(fraction, b.lshr(low, b.i64(62)));
+    low = b.shl(low, b.i64(2));
+  }
+  const Value quadrant = b.iadd(b.lshr(top, b.i64(62)), b.lshr(fraction, b.i64(63)));
+  return {b.convert(Op::kTrunc, Type::kI32, quadrant), fraction, low};
+}
 
 Value emit_sin(Builder& b, Value x) { return sin_turned(b, x, 0); }
 Value emit_cos(Builder& b, Value x) { return sin_turned(b, x, 1); }
 
 Value emit_tan(Builder& b, Value x) {
-  Math m{b};
-  const Reduced reduced = reduce(m, x);
-  const SinCos value = sin_cos_of_reduced(m, reduced.r);
+  Math m(b);
+  const Reduced reduced = reduce_to_quadrant(m, x, 3);
+  const SinCos value = sin_cos_of_reduced(m, x, reduced.r);
   const Value odd = bit_set(b, reduced.quadrant, 1);
   return b.fdiv(b.select(odd, value.cos, value.sin), b.select(odd, b.fneg(value.sin), value.cos));
 }
 
 Value emit_asin(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   const HalfAngle h = half_angle(m, x);
   const Value result = b.select(h.is_large, from_pio2(m, m.mul(h.core, m.f(2))), h.core);
-  return with_sign_of(b, sign_bit(m, x), result);
+  return m.with_sign(m.sign_bit(x), result);
 }
 
 Value emit_acos(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   const HalfAngle h = half_angle(m, x);
-  const Value negative = sign_bit(m, x);
+  const Value negative = m.sign_bit(x);
   const Value twice = m.mul(h.core, m.f(2));
   const Value large = b.select(negative, m.mul(from_pio2(m, h.core), m.f(2)), twice);  // pi - 2 core = 2 (pi/2 - core)
-  return b.select(h.is_large, large, from_pio2(m, with_sign_of(b, negative, h.core)));
+  return b.select(h.is_large, large, from_pio2(m, m.with_sign(negative, h.core)));
 }
 
 Value emit_atan(Builder& b, Value x) {
-  Math m{b};
+  Math m(b);
   const Value magnitude = b.fabs(x);
   const Value is_large = b.flt(m.f(1), magnitude);
   const Value core = atan_core(m, b.select(is_large, b.fdiv(m.f(1), magnitude), magnitude));
-  return with_sign_of(b, sign_bit(m, x), b.select(is_large, from_pio2(m, core), core));
+  return m.with_sign(m.sign_bit(x), b.select(is_large, from_pio2(m, core), core));
 }
 
 Value emit_atan2(Builder& b, Value y, Value x) {
-  Math m{b};
+  Math m(b);
   const Value ax = b.fabs(x), ay = b.fabs(y);
   const Value steep = b.flt(ax, ay);
   const Value small = b.fmin(ay, ax), large = b.fmax(ay, ax);  // a NaN y passes
@@ -197,8 +202,8 @@ Value emit_atan2(Builder& b, Value y, Value x) {
   // pi - right, from pi/2 so that the low part of pi is kept
   const Value left =
       b.select(steep, m.add(m.f(kPio2[0]), m.add(core, m.f(kPio2[1]))), m.sub(m.f(2 * kPio2[0]), m.sub(core, m.f(2 * kPio2[1]))));
-  const Value angle = b.select(sign_bit(m, x), left, right);
-  return b.select(b.fne(x, x), x, with_sign_of(b, sign_bit(m, y), angle));
+  const Value angle = b.select(m.sign_bit(x), left, right);
+  return b.select(b.fne(x, x), x, m.with_sign(m.sign_bit(y), angle));
 }
 
 }  // namespace pineda::passes

@@ -186,7 +186,7 @@ class Narrower {
   static bool is_cheap(const Inst& inst) {
     return inst.op > Op::kLane && inst.op <= Op::kSelect && inst.op != Op::kUDiv && inst.op != Op::kSDiv &&
            inst.op != Op::kURem && inst.op != Op::kSRem && inst.op != Op::kFDiv && inst.op != Op::kFSqrt &&
-           !(inst.op >= Op::kFSin && inst.op <= Op::kFPow);
+           !ir::is_transcendental(inst.op);
   }
 
   // `v` itself when the end of the body sees it, else a copy that stands there; none when that would take too much.

@@ -54,7 +54,7 @@ bool has_locals(const ir::Kernel& k) {
 
 void compact(ir::Kernel& kernel) { Compactor compactor(kernel); }
 
-void optimize(ir::Kernel& k, Form form) {
+void optimize(ir::Kernel& k, Form form, Precision precision) {
   ssa(k);
   dce(k);
   if (form == Form::kMachine) fuse_fma(k);  // before fold: see fuse_fma.cpp
@@ -69,7 +69,7 @@ void optimize(ir::Kernel& k, Form form) {
   flatten_ifs(k);
   narrow_loops(k);
   if (form == Form::kMachine) {
-    lower_math(k);
+    lower_math(k, precision);
     fuse_fma(k);
   }
   fold(k, form);

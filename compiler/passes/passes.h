@@ -2,6 +2,7 @@
 // but for lower_math and fuse_fma, which *define* the bits of the f32 form.
 #pragma once
 
+#include "base/config.h"
 #include "compiler/ir/ir.h"
 
 namespace pineda::passes {
@@ -33,8 +34,8 @@ void flatten_ifs(ir::Kernel& k);
 // Carried values of loops with a break become uniform where lanes that go on agree. Wants rates() and dce().
 void narrow_loops(ir::Kernel& k);
 
-// Transcendentals -> polynomials (PINEDA_PRECISION); their bounds are in lower_math.h.
-void lower_math(ir::Kernel& k);
+// Transcendentals -> polynomials; see lower_math.h.
+void lower_math(ir::Kernel& k, Precision precision = Precision::kDefault);
 
 // Loads and stores whose addresses are consecutive from lane to lane get a uniform offset and a lane stride. Wants rates.
 void affine_addresses(ir::Kernel& k);
@@ -49,6 +50,6 @@ void hoist_loops(ir::Kernel& k);
 void rates(ir::Kernel& k);
 
 // All of them. Renumbers the instructions: Values from before mean nothing afterwards. (The single passes keep them.)
-void optimize(ir::Kernel& k, Form form);
+void optimize(ir::Kernel& k, Form form, Precision precision = Precision::kDefault);
 
 }  // namespace pineda::passes

@@ -69,7 +69,9 @@ void degrees(Translator& t, const Instruction& inst) {
   glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, number(t, a, 180 / std::numbers::pi)); });
 }
 void inverse_sqrt(Translator& t, const Instruction& inst) {
-  glsl_map1<true>(t, inst, [&](Value a) { return t.b.fdiv(number(t, a, 1), t.b.fsqrt(a)); });
+  glsl_map1<true>(t, inst, [&](Value a) {
+    return t.b.type(a) == ir::Type::kF32 ? t.b.frsqrt(a) : t.b.fdiv(number(t, a, 1), t.b.fsqrt(a));
+  });
 }
 
 Value n_min(Translator& t, Value a, Value c) { return t.b.select(t.b.fne(a, a), c, t.b.fmin(a, c)); }
@@ -140,6 +142,12 @@ constexpr ExtRow kRows[] = {
     PINEDA_GLSL_ROW(Acos, 1, t1<Op::kFAcos>),
     PINEDA_GLSL_ROW(Atan, 1, t1<Op::kFAtan>),
     PINEDA_GLSL_ROW(Atan2, 2, t2<Op::kFAtan2>),
+    PINEDA_GLSL_ROW(Sinh, 1, t1<Op::kFSinh>),
+    PINEDA_GLSL_ROW(Cosh, 1, t1<Op::kFCosh>),
+    PINEDA_GLSL_ROW(Tanh, 1, t1<Op::kFTanh>),
+    PINEDA_GLSL_ROW(Asinh, 1, t1<Op::kFAsinh>),
+    PINEDA_GLSL_ROW(Acosh, 1, t1<Op::kFAcosh>),
+    PINEDA_GLSL_ROW(Atanh, 1, t1<Op::kFAtanh>),
     PINEDA_GLSL_ROW(Pow, 2, t2<Op::kFPow>),
     PINEDA_GLSL_ROW(Exp, 1, t1<Op::kFExp>),
     PINEDA_GLSL_ROW(Log, 1, t1<Op::kFLog>),

@@ -1,4 +1,4 @@
-// GLSL.std.450: hyperbolic functions and those that take floats apart.
+// GLSL.std.450: functions that take floats apart.
 #include <cmath>
 #include <limits>
 
@@ -9,45 +9,6 @@ namespace {
 
 using ir::Type;
 using ir::Value;
-
-template <typename Fn>
-void map(Translator& t, const Instruction& inst, Fn fn) {
-  glsl_map1<true>(t, inst, [&](Value a) { return in_f32(t, inst, fn, a); });
-}
-
-Value with_sign_of(Translator& t, Value magnitude, Value x) {
-  return t.b.select(t.b.flt(x, t.b.f32(0)), t.b.fneg(magnitude), magnitude);
-}
-
-// Vulkan derives the precision of these from the formulas with exp and log below.
-void sinh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) { return t.fmul(t.fsub(t.b.fexp(x), t.b.fexp(t.b.fneg(x))), t.b.f32(0.5)); });
-}
-void cosh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) { return t.fmul(t.fadd(t.b.fexp(x), t.b.fexp(t.b.fneg(x))), t.b.f32(0.5)); });
-}
-// (1 - e) / (1 + e) with e = exp(-2|x|): the same quotient, and no infinity divided by infinity for large x.
-void tanh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) {
-    const Value e = t.b.fexp(t.fmul(t.b.f32(-2), t.b.fabs(x))), one = t.b.f32(1);
-    return with_sign_of(t, t.b.fdiv(t.fsub(one, e), t.fadd(one, e)), x);
-  });
-}
-void asinh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) {
-    const Value a = t.b.fabs(x);
-    return with_sign_of(t, t.b.flog(t.fadd(a, t.b.fsqrt(t.fadd(t.fmul(a, a), t.b.f32(1))))), x);
-  });
-}
-void acosh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) { return t.b.flog(t.fadd(x, t.b.fsqrt(t.fsub(t.fmul(x, x), t.b.f32(1))))); });
-}
-void atanh(Translator& t, const Instruction& inst) {
-  map(t, inst, [&](Value x) {
-    const Value one = t.b.f32(1);
-    return t.fmul(t.b.f32(0.5), t.b.flog(t.b.fdiv(t.fadd(one, x), t.fsub(one, x))));
-  });
-}
 
 // The parameters of binary32 and binary64; halves are scaled and taken apart as binary32, which holds all their results.
 struct Format {
@@ -171,12 +132,6 @@ void to_pointer(Translator& t, const Instruction& inst) {
 }
 
 constexpr ExtRow kRows[] = {
-    PINEDA_GLSL_ROW(Sinh, 1, sinh),
-    PINEDA_GLSL_ROW(Cosh, 1, cosh),
-    PINEDA_GLSL_ROW(Tanh, 1, tanh),
-    PINEDA_GLSL_ROW(Asinh, 1, asinh),
-    PINEDA_GLSL_ROW(Acosh, 1, acosh),
-    PINEDA_GLSL_ROW(Atanh, 1, atanh),
     PINEDA_GLSL_ROW(Ldexp, 2, ldexp),
     PINEDA_GLSL_ROW(Frexp, 2, to_pointer<frexp_parts>),
     PINEDA_GLSL_ROW(FrexpStruct, 1, to_struct<frexp_parts>),

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Minimax polynomials with binary32 coefficients for compiler/passes/lower_math.cpp.
+"""Minimax polynomials with binary32 and binary64 coefficients for the transcendental functions of compiler/passes/math_*.cpp.
 
 For each function this prints coefficients (lowest power first) and the largest relative error of the exact polynomial, which leaves out the
 rounding of the evaluation; lower_math_test.cpp measures the sum of both.
@@ -18,6 +18,10 @@ LN2 = D(2).ln()
 
 def to_f32(x):
     return D(struct.unpack("<f", struct.pack("<f", float(x)))[0])
+
+
+def to_f64(x):
+    return D(float(x))
 
 
 def arctan(x):
@@ -108,13 +112,17 @@ def minimax(target, weight, low, high, powers):
     return best
 
 
-def fit(name, target, weight, low, high, degree, fixed=()):
-    """`weight` turns the polynomial's error into a relative error of the function. `fixed`: coefficients given beforehand."""
+def fit(name, target, weight, low, high, degree, nearest=to_f32):
+    """`weight` turns the polynomial's error into a relative error of the function; `nearest` rounds a coefficient to its format."""
     low, high = D(low), D(high)
-    done = [D(c) for c in fixed]
+    done = []
     while len(done) <= degree:
         rest = lambda x: target(x) - horner(done, x)  # noqa: E731
-        done.append(to_f32(minimax(rest, weight, low, high, list(range(len(done), degree + 1)))[0]))
+        powers = list(range(len(done), degree + 1))
+        if nearest is to_f64 and len(done) == 3:  # the rounding of the others is far below the error
+            done += [nearest(c) for c in minimax(rest, weight, low, high, powers)]
+        else:
+            done.append(nearest(minimax(rest, weight, low, high, powers)[0]))
     error = max(abs(weight(x) * (target(x) - horner(done, x)))
                 for x in (low + (high - low) * D(i) / 1499 for i in range(1500)))
     print(f"{name}: on [{float(low):.6g}, {float(high):.6g}], degree {degree}, error 2^{float(error.ln() / LN2):.1f}")
@@ -122,6 +130,37 @@ def fit(name, target, weight, low, high, degree, fixed=()):
 
 
 TINY = D("1e-12")  # stands for zero where a quotient has a limit
+
+
+def sinh(x):
+    total, term, k = D(0), x, 1
+    while abs(term) > D(10) ** -58:
+        total += term
+        term *= x * x / ((k + 1) * (k + 2))
+        k += 2
+    return total
+
+
+def tanh(x):
+    e = (2 * x).exp()
+    return 2 * sinh(x) * x.exp() / (e + 1)
+
+
+def two_atanh(s):
+    return ((1 + s) / (1 - s)).ln()
+
+
+def odd_rest(f):
+    """p of f(x) = x + x^3 * p(z), z = x^2"""
+    return lambda z: (f((z or TINY).sqrt()) / (z or TINY).sqrt() - 1) / (z or TINY)
+
+
+def odd_weight(f):
+    return lambda z: (z + TINY) * (z or TINY).sqrt() / f((z or TINY).sqrt())
+
+
+def exponent_of(x):
+    return int((x.ln() / LN2).to_integral_value(rounding="ROUND_FLOOR"))
 
 
 def main():
@@ -169,6 +208,62 @@ def main():
     if want("atan"):  # atan x = x + x^3 * p(x^2) up to x = 1
         g = lambda z: (arctan((z or TINY).sqrt()) / (z or TINY).sqrt() - 1) / (z or TINY)  # noqa: E731
         fit("atan", g, lambda z: (z + TINY) * (z or TINY).sqrt() / arctan((z or TINY).sqrt()), 0, 1, 8)
+    if want("sinh"):  # sinh x = x + x^3 * p(x^2) up to x = 1
+        fit("sinh", odd_rest(sinh), odd_weight(sinh), 0, 1, 3)
+    if want("tanh"):  # tanh x = x + x^3 * p(x^2) up to x = 0.55
+        fit("tanh", odd_rest(tanh), odd_weight(tanh), 0, D("0.3025"), 4)
+    # ---- PINEDA_PRECISION=fast ----
+    if want("fast_exp2"):  # 2^x = 1 + x * p(x)
+        g = lambda x: (((x or TINY) * LN2).exp() - 1) / (x or TINY)  # noqa: E731
+        fit("fast exp2", g, lambda x: (abs(x) + TINY) / (x * LN2).exp(), -half, half, 4)
+    if want("fast_log2"):  # log2(1 + t) = t * p(t)
+        g = lambda t: (1 + (t or TINY)).ln() / (t or TINY) / LN2  # noqa: E731
+        fit("fast log2", g, lambda t: LN2 * t / (1 + t).ln() if t else D(1), 1 / sqrt2 - 1, sqrt2 - 1, 8)
+    if want("fast_sin"):
+        fit("fast sin", odd_rest(sin), odd_weight(sin), 0, quarter ** 2, 1)
+    if want("fast_cos"):  # cos x = 1 - x^2 / 2 + x^4 * p(x^2)
+        g = lambda z: (cos((z or TINY).sqrt()) - 1 + (z or TINY) / 2) / (z or TINY) ** 2  # noqa: E731
+        fit("fast cos", g, lambda z: (z * z + TINY) / cos(z.sqrt()), 0, quarter ** 2, 1)
+    if want("fast_asin"):
+        fit("fast asin", odd_rest(arcsin), odd_weight(arcsin), 0, D("0.25"), 2)
+    if want("fast_atan"):
+        fit("fast atan", odd_rest(arctan), odd_weight(arctan), 0, 1, 4)
+    # ---- PINEDA_PRECISION=exact: binary64 ----
+    if want("exact_exp2"):  # 2^x = 1 + x * p(x)
+        g = lambda x: (((x or TINY) * LN2).exp() - 1) / (x or TINY)  # noqa: E731
+        fit("exact exp2", g, lambda x: (abs(x) + TINY) / (x * LN2).exp(), -half, half, 12, to_f64)
+    if want("exact_exp"):  # e^x = 1 + x + x^2 * p(x)
+        g = lambda x: ((x or TINY).exp() - 1 - (x or TINY)) / (x or TINY) ** 2  # noqa: E731
+        fit("exact exp", g, lambda x: (x * x + TINY) / x.exp(), -LN2 / 2 - D("0.001"), LN2 / 2 + D("0.001"), 10, to_f64)
+    if want("exact_log"):  # ln((1 + s) / (1 - s)) = 2 s + s^3 * p(s^2)
+        g = lambda z: (two_atanh((z or TINY).sqrt()) / (z or TINY).sqrt() - 2) / (z or TINY)  # noqa: E731
+        w = lambda z: (z + TINY) * (z or TINY).sqrt() / two_atanh((z or TINY).sqrt())  # noqa: E731
+        fit("exact log", g, w, 0, D("0.02945"), 8, to_f64)
+    if want("exact_sin"):
+        fit("exact sin", odd_rest(sin), odd_weight(sin), 0, quarter ** 2, 6, to_f64)
+    if want("exact_cos"):
+        g = lambda z: (cos((z or TINY).sqrt()) - 1 + (z or TINY) / 2) / (z or TINY) ** 2  # noqa: E731
+        fit("exact cos", g, lambda z: (z * z + TINY) / cos(z.sqrt()), 0, quarter ** 2, 6, to_f64)
+    if want("exact_asin"):
+        fit("exact asin", odd_rest(arcsin), odd_weight(arcsin), 0, D("0.25"), 12, to_f64)
+    if want("exact_atan"):  # up to tan(pi/8)
+        fit("exact atan", odd_rest(arctan), odd_weight(arctan), 0, D("0.1717"), 10, to_f64)
+    if want("exact_sinh"):
+        fit("exact sinh", odd_rest(sinh), odd_weight(sinh), 0, 1, 8, to_f64)
+    if want("exact_constants"):
+        getcontext().prec = 120
+        rest = 2 * machin()
+        parts = []
+        for bits in (33, 33, 53):
+            scale = D(2) ** (bits - 1 - exponent_of(rest))
+            parts.append(D(int(rest * scale)) / scale)
+            rest -= parts[-1]
+        print("pi/2 in 33, 33, 53 bits:", [float(p).hex() for p in parts], "2/pi:", float(1 / (2 * machin())).hex())
+        ln2 = D(2).ln()
+        high = D(int(ln2 * 2 ** 32)) / 2 ** 32
+        print("ln2 high (32 bits), low:", float(high).hex(), float(ln2 - high).hex(), "log2(e):", float(1 / ln2).hex())
+        bits = int(2 / (4 * machin()) * 2 ** 320)
+        print("2/pi in 32-bit words:", [hex(bits >> (288 - 32 * i) & 0xFFFFFFFF) for i in range(10)])
     if want("constants"):
         rest = PI / 2
         parts = []
