@@ -18,7 +18,15 @@ DriverProcess::DriverProcess(const DriverSpec& driver)
     : label_(driver.label), child_({own_path(), "worker"}, driver.environment) {}
 
 json DriverProcess::request(const json& command, std::chrono::milliseconds timeout, const Progress& progress) {
+  send(command);
+  return receive(timeout, progress);
+}
+
+void DriverProcess::send(const json& command) {
   if (!child_.write_line(command.dump())) fail_with("the driver's process " + child_.wait_and_describe());
+}
+
+json DriverProcess::receive(std::chrono::milliseconds timeout, const Progress& progress) {
   std::string line;
   for (;;) {
     switch (child_.read_line(line, timeout)) {

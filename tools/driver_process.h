@@ -21,6 +21,10 @@ class DriverProcess {
   // reports an error, dies, or says nothing for `timeout` (then it is ended).
   nlohmann::json request(const nlohmann::json& command, std::chrono::milliseconds timeout, const Progress& progress = {});
 
+  // The two halves of request(), for work that the parent does meanwhile.
+  void send(const nlohmann::json& command);
+  nlohmann::json receive(std::chrono::milliseconds timeout, const Progress& progress = {});
+
   // Lets the process end and returns what the driver printed. Throws ToolError when it does not end well.
   std::string finish();
 

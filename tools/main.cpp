@@ -10,6 +10,7 @@
 #include "tools/compare.h"
 #include "tools/driver_process.h"
 #include "tools/error.h"
+#include "tools/errors/errors.h"
 #include "tools/golden.h"
 #include "tools/scene_registry.h"
 #include "tools/size.h"
@@ -29,6 +30,8 @@ struct Arguments {
   double threshold_share = 0.999, budget_ms = 200;
   int largest_difference = -1;  // no limit
   uint32_t timeout_s = 120;
+  std::string functions, columns = "fast,default,exact,lavapipe", errors_file = "docs/errors.md";
+  bool quick = false;
   bool truth = false, validate = false, hash = false, update = false, list = false;
 };
 
@@ -167,6 +170,24 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
   golden->add_flag("--validate", arguments.validate, "run under the Khronos validation layer; any message fails");
   golden->callback([&] {
     status = check_golden(arguments.golden_file, parse_driver(arguments.driver), arguments.update, arguments.validate);
+  });
+
+  CLI::App* const errors = app.add_subcommand("errors", "measure the largest error of each function, beside what Vulkan allows");
+  errors->add_option("--functions", arguments.functions, "only these (comma-separated; `pineda errors --list`)");
+  errors->add_option("--columns", arguments.columns, "of fast, default, exact, lavapipe")->capture_default_str();
+  errors->add_flag("--quick", arguments.quick,
+                   "a structured sample instead of all 2^32 operands; writes nothing unless --out is given");
+  errors
+      ->add_option("--out", arguments.errors_file,
+                   "Markdown file to write, with its data beside it (.json): rows measured before stay")
+      ->capture_default_str();
+  errors->add_flag("--list", arguments.list, "list the functions");
+  errors->callback([&, errors] {
+    status = measure_errors({.functions = arguments.functions,
+                             .columns = arguments.columns,
+                             .quick = arguments.quick,
+                             .list = arguments.list,
+                             .out = arguments.quick && errors->count("--out") == 0 ? "" : arguments.errors_file});
   });
 
   app.add_subcommand("scenes", "list the scenes")->callback([&] { status = list_scenes(); });

@@ -13,6 +13,7 @@
 #include "tools/bench/rows.h"
 #include "tools/child_process.h"
 #include "tools/error.h"
+#include "tools/errors/probe.h"
 #include "tools/scene_registry.h"
 #include "tools/stopwatch.h"
 
@@ -47,6 +48,9 @@ class Worker {
     if (name == "row_begin") return begin_row(command);
     if (name == "row_run") return run_row(command);
     if (name == "row_end") return end_row();
+    if (name == "errors_open") return open_errors(command);
+    if (name == "errors_select") return select_function(command);
+    if (name == "errors_run") return run_function(command);
     fail("unknown command '{}'", name);
   }
 
@@ -62,6 +66,7 @@ class Worker {
   }
 
   json close() {
+    probe_.reset();
     context_.reset();  // validation reports what was not destroyed
     return {{"validation", validation_messages_}};
   }
@@ -124,6 +129,23 @@ class Worker {
     return json::object();
   }
 
+  json open_errors(const json& command) {
+    probe_ = std::make_unique<ErrorProbe>(*context_, command.at("path"), command.at("drivers"), command.at("driver"));
+    return json::object();
+  }
+
+  json select_function(const json& command) {
+    if (!probe_) fail("'errors_select' before 'errors_open'");
+    probe_->select(command.at("function"), command.at("operands"));
+    return json::object();
+  }
+
+  json run_function(const json& command) {
+    if (!probe_) fail("'errors_run' before 'errors_open'");
+    probe_->run(command.at("slot"));
+    return json::object();
+  }
+
   void progress(const std::string& text) { send({{"type", "progress"}, {"text", text}}); }
 
   void send(const json& reply) {
@@ -135,7 +157,8 @@ class Worker {
   FILE* replies_;
   std::vector<std::string> validation_messages_;  // outlives the context
   std::unique_ptr<VkContext> context_;
-  std::unique_ptr<BenchRow> row_;  // dies before the context
+  std::unique_ptr<BenchRow> row_;  // these die before the context
+  std::unique_ptr<ErrorProbe> probe_;
 };
 
 }  // namespace

@@ -1,0 +1,194 @@
+#include "tools/errors/errors.h"
+
+#include <mpfr.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
+
+#include "tools/driver_process.h"
+#include "tools/error.h"
+#include "tools/errors/error_table.h"
+#include "tools/errors/measure.h"
+#include "tools/errors/operands.h"
+#include "tools/stopwatch.h"
+
+namespace pineda::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::chrono::minutes kTimeout{10};
+
+std::vector<std::string> split(const std::string& list, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(list);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+DriverSpec driver_of(const std::string& column) {
+  for (const ErrorColumn& known : error_columns()) {
+    if (column == known.name) return parse_driver(known.driver);
+  }
+  fail("no column '{}'", column);
+}
+
+struct Driver {
+  std::string column;
+  std::unique_ptr<DriverProcess> process;
+  std::string device;
+};
+
+std::vector<Driver> start_drivers(const std::string& columns, const SharedBlock& shared, uint32_t count) {
+  std::vector<Driver> drivers;
+  for (const std::string& column : split(columns, ',')) {
+    Driver driver{column, std::make_unique<DriverProcess>(driver_of(column)), {}};
+    driver.device = driver.process->request({{"command", "open"}}, kTimeout).at("device");
+    driver.process->request({{"command", "errors_open"}, {"path", shared.path()}, {"drivers", count}, {"driver", drivers.size()}},
+                            kTimeout);
+    drivers.push_back(std::move(driver));
+  }
+  return drivers;
+}
+
+// The exact results of a block.
+void fill_exact(const MeasuredFunction& function, const Block& block, std::vector<double>& exact) {
+  if (function.vector) {
+    static std::vector<double> wide(SharedBlock::kElements);
+    std::copy(block.x, block.x + block.count, wide.begin());
+    return function.vector(wide.data(), exact.data(), block.count);
+  }
+  for (uint32_t i = 0; i < block.count; ++i) exact[i] = function.reference({block.x[i], block.y[i], block.z[i]});
+}
+
+// f(x) rounded to binary32 by MPFR, and the error in ULP of `got` if it is given.
+struct Precise {
+  explicit Precise(int bits = 200) { mpfr_inits2(bits, x, value, static_cast<mpfr_ptr>(nullptr)); }
+  ~Precise() { mpfr_clears(x, value, static_cast<mpfr_ptr>(nullptr)); }
+  void compute(const MeasuredFunction& function, double operand) {
+    mpfr_set_d(x, operand, MPFR_RNDN);
+    function.precise(value, x, MPFR_RNDN);
+  }
+  float nearest() const { return mpfr_get_flt(value, MPFR_RNDN); }
+  mpfr_t x, value;
+};
+
+// What the bulk reference cannot decide: of the misrounded results near a tie, those that MPFR finds rightly rounded do not
+// count. Exact when the list holds them all.
+void settle_ties(const MeasuredFunction& function, Measurement& m) {
+  if (!function.precise || m.near_ties.size() >= kMaxNearTies) return;
+  Precise precise;
+  for (const float x : m.near_ties) {
+    precise.compute(function, x);
+    // It was given the other neighbour of the tie than the bulk reference's.
+    const float by_bulk = static_cast<float>(function.reference({x, 0, 0}));
+    m.misrounded -= precise.nearest() != by_bulk;
+  }
+}
+
+// One function on all drivers: while they compute one block, the results of the one before are compared.
+class FunctionRun {
+ public:
+  FunctionRun(const MeasuredFunction& function, std::vector<Driver>& drivers, SharedBlock& shared, bool quick)
+      : function_(function), drivers_(drivers), shared_(shared), exhaustive_(!quick && function.operands == 1) {
+    blocks_ = exhaustive_ ? kExhaustiveBlocks : quick || function.operands == 1 ? 1 : kSampledBlocks;
+    for (Driver& driver : drivers_) {
+      driver.process->send({{"command", "errors_select"}, {"function", function.number}, {"operands", function.operands}});
+    }
+    for (Driver& driver : drivers_) driver.process->receive(kTimeout);
+  }
+
+  std::vector<Measurement> run() {
+    std::vector<Measurement> sums(drivers_.size());
+    std::vector<double> exact(SharedBlock::kElements);
+    start(0);
+    for (uint32_t block = 0; block < blocks_; ++block) {
+      const uint32_t slot = block % SharedBlock::kSlots;
+      for (Driver& driver : drivers_) driver.process->receive(kTimeout);
+      if (block + 1 < blocks_) start(block + 1);
+      const Block data{shared_.operands(slot, 0), shared_.operands(slot, 1), shared_.operands(slot, 2), exact.data(),
+                       SharedBlock::kElements};
+      fill_exact(function_, data, exact);
+      Block operands = data;
+      if (function_.operands < 3) operands.z = nullptr;
+      if (function_.operands < 2) operands.y = nullptr;
+      for (uint32_t d = 0; d < drivers_.size(); ++d) sums[d].add(measure(function_, operands, shared_.results(slot, d)));
+    }
+    for (Measurement& sum : sums) settle_ties(function_, sum);
+    return sums;
+  }
+
+  bool exhaustive() const { return exhaustive_; }
+
+ private:
+  void start(uint32_t block) {
+    const uint32_t slot = block % SharedBlock::kSlots;
+    fill_operands(function_, exhaustive_, block, shared_.operands(slot, 0), shared_.operands(slot, 1), shared_.operands(slot, 2));
+    for (Driver& driver : drivers_) driver.process->send({{"command", "errors_run"}, {"slot", slot}});
+  }
+
+  const MeasuredFunction& function_;
+  std::vector<Driver>& drivers_;
+  SharedBlock& shared_;
+  const bool exhaustive_;
+  uint32_t blocks_;
+};
+
+std::vector<const MeasuredFunction*> chosen_functions(const std::string& names) {
+  std::vector<const MeasuredFunction*> chosen;
+  for (const MeasuredFunction& function : measured_functions()) {
+    const std::vector<std::string> wanted = split(names, ',');
+    if (names.empty() || std::ranges::find(wanted, function.name) != wanted.end()) chosen.push_back(&function);
+  }
+  if (chosen.empty()) fail("no function is named '{}'; see `pineda errors --list`", names);
+  return chosen;
+}
+
+// Prints and returns whether a row keeps Vulkan's demand.
+bool print_cell(const MeasuredFunction& function, const Driver& driver, const Measurement& m) {
+  const bool kept = m.beyond == 0;
+  fmt::print("  {:<10} {:>12.6g} ULP at {:a}{}  {:6.3f} of what is allowed{}  misrounded {}/{}  specials {}\n", driver.column,
+             m.worst_ulp, m.worst_at.x, function.operands > 1 ? fmt::format(", {:a}, {:a}", m.worst_at.y, m.worst_at.z) : "",
+             m.worst_share,
+             kept ? ""
+                  : fmt::format(" (BEYOND for {} operands, e.g. {:a}, {:a}, {:a})", m.beyond, m.worst_share_at.x,
+                                m.worst_share_at.y, m.worst_share_at.z),
+             m.misrounded, m.normal, m.other_specials);
+  std::fflush(stdout);
+  return kept;
+}
+
+}  // namespace
+
+int measure_errors(const ErrorsOptions& options) {
+  if (options.list) {
+    for (const MeasuredFunction& function : measured_functions()) fmt::print("{:<20} {}\n", function.name, function.demand);
+    return 0;
+  }
+  const std::vector<const MeasuredFunction*> functions = chosen_functions(options.functions);
+  const uint32_t driver_count = static_cast<uint32_t>(split(options.columns, ',').size());
+  SharedBlock shared(driver_count);
+  std::vector<Driver> drivers = start_drivers(options.columns, shared, driver_count);
+  ErrorTable table(options.out);
+  bool kept = true;
+  for (const MeasuredFunction* function : functions) {
+    const Stopwatch watch;
+    FunctionRun run(*function, drivers, shared, options.quick);
+    const std::vector<Measurement> results = run.run();
+    fmt::print("{} ({:.1f} s)\n", function->name, watch.elapsed_ms() / 1000);
+    for (uint32_t d = 0; d < driver_count; ++d) {
+      const bool within = print_cell(*function, drivers[d], results[d]);
+      if (drivers[d].column != "lavapipe") kept &= within;
+      table.set(*function, drivers[d].column, drivers[d].device, run.exhaustive(), results[d]);
+    }
+    table.write();
+  }
+  fmt::print("{}\n", kept ? "every row of Pineda is within what Vulkan allows" : "FAILED: a row is beyond what Vulkan allows");
+  return kept ? 0 : 1;
+}
+
+}  // namespace pineda::tools

@@ -1,0 +1,47 @@
+// The functions whose error is measured: how to compute them exactly enough, and what Vulkan allows ("Precision and Operation of
+// SPIR-V Instructions"). The one table; the shader (shaders/measured.comp) goes by its numbers.
+#pragma once
+
+#include <mpfr.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace pineda::tools {
+
+struct Operands {
+  double x = 0, y = 0, z = 0;  // binary32 values
+};
+
+// Exact operands to a result in binary64.
+using Reference = double (*)(const Operands& in);
+// The same for eight values of x at once (AVX-512, glibc's libmvec), or null.
+using VectorReference = void (*)(const double* x, double* result, uint32_t count);
+// The same in MPFR. `x` holds the operand, `out` has the precision wanted. Null for functions that binary64 computes exactly
+// before the last rounding, or nearly so.
+using PreciseReference = int (*)(mpfr_t out, const mpfr_t x, mpfr_rnd_t rounding);
+// The largest absolute error that Vulkan allows beside the exact result; infinity where it demands nothing.
+using Allowed = double (*)(const Operands& in, double exact);
+
+struct MeasuredFunction {
+  const char* name;
+  uint32_t number;  // in the shader
+  uint32_t operands;
+  const char* demand;  // Vulkan's words, shortened
+  double surely_ulp;   // errors up to this many ULP are allowed for every operand (saves calling `allowed`)
+  Reference reference;
+  Allowed allowed;
+  VectorReference vector = nullptr;
+  PreciseReference precise = nullptr;
+  // Operands beyond +-2^limit are not sampled: intermediate results would overflow or vanish, of which Vulkan says nothing.
+  int exponent_limit = 128;
+  bool cancels = false;  // terms of opposite sign may leave any number of ULP: the error is told as a share of what is allowed
+};
+
+std::span<const MeasuredFunction> measured_functions();
+
+// Distance of the two binary32 values around `exact`; 2^-149 below the normal ones.
+double ulp_of(double exact);
+
+}  // namespace pineda::tools
