@@ -73,6 +73,8 @@ void print_help() {
       "                                          rounded but for ties (docs/errors.md has the measured error of each)\n"
       "  PINEDA_TILE=16|32|64                    tile size in pixels (default: from the attachments' footprint; same bits)\n"
       "  PINEDA_TIMEOUT=N|off                    seconds that a submission may run before the device is lost (default: 120)\n"
+      "  PINEDA_CACHE=off|DIR                    where compiled kernels are kept (default: $XDG_CACHE_HOME/pineda, "
+      "~/.cache/pineda)\n"
       "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
       "  PINEDA_DEBUG=flag,flag...\n");
   for (const FlagRow& row : kFlags) std::fprintf(stderr, "      %-12s %s\n", row.name, row.help);
@@ -111,6 +113,7 @@ Config read_environment() {
   const bool unlimited = text("PINEDA_TIMEOUT") == "off";
   c.timeout_s = unlimited ? 0 : number("PINEDA_TIMEOUT", 86400);
   if (text("PINEDA_TIMEOUT").empty() && c.mode == Mode::kJit) c.timeout_s = kDefaultTimeout_s;
+  c.cache = text("PINEDA_CACHE");
   c.debug = parse_debug(text("PINEDA_DEBUG"));
   c.debug_dir = text("PINEDA_DEBUG_DIR");
   return c;

@@ -20,11 +20,11 @@ enum DebugFlag : uint32_t {
   kDebugStats = 1u << 4,  // statistics of each render pass
   kDebugNoHiZ = 1u << 5,  // switch one omission off (same bits)
   kDebugNoFastClear = 1u << 6,
-  kDebugNoOpaque = 1u << 7,     // opaque covers drop nothing
-  kDebugTime = 1u << 8,         // compile times
-  kDebugPerf = 1u << 9,         // names of kernels for perf
-  kDebugGeneral = 1u << 10,     // pipelines are never specialised for what is bound (same bits)
-  kDebugSpecialize = 1u << 11,  // pipelines are specialised before their first draw
+  kDebugNoOpaque = 1u << 7,         // opaque covers drop nothing
+  kDebugTime = 1u << 8,             // compile times
+  kDebugPerf = 1u << 9,             // names of kernels for perf
+  kDebugGeneral = 1u << 10,         // pipelines are never specialised for what is bound (same bits)
+  kDebugSpecialize = 1u << 11,      // pipelines are specialised before their first draw
   kDebugNoEqualSamples = 1u << 12,  // every sample has its own colour
 };
 
@@ -35,6 +35,7 @@ struct Config {
   Precision precision = Precision::kDefault;  // PINEDA_PRECISION=fast|default|exact
   uint32_t tile_px = 0;                       // PINEDA_TILE=16|32|64; 0 = chosen from the footprint of the attachments
   uint32_t timeout_s = 0;                     // PINEDA_TIMEOUT: seconds that a submission may run; 0 = no limit
+  std::string cache;                          // PINEDA_CACHE=off|DIR; empty = the user's cache directory
   uint32_t debug = 0;                         // DebugFlag bits
   std::string debug_dir;                      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };

@@ -1,41 +1,30 @@
 #include "compiler/compile.h"
 
-#include <system_error>
-#include <thread>
-
-#include "base/blocked_signals.h"
-#include "base/config.h"
-#include "compiler/ir/wave_frame.h"
+#include "base/parallel_for.h"
+#include "compiler/code_store.h"
 #include "compiler/kernel_cache.h"
 #include "compiler/kernels/kernels.h"
 
 namespace pineda::compiler {
 namespace {
 
-// Both back ends at once: generating machine code takes more than nine tenths of a cold pipeline's time.
-Result<void> finish_both(Executable& a, Executable& b) {
-  Result<void> b_done;
-  std::thread helper;
-  if (config().mode == Mode::kJit || config().mode == Mode::kCheck) {
-    try {
-      const BlockedSignals blocked;
-      helper = std::thread([&] { b_done = b.finish(); });
-    } catch (const std::system_error&) {  // no thread to be had: one after the other
-    }
-  }
-  Result<void> a_done = a.finish();
-  if (helper.joinable()) {
-    helper.join();
-  } else {
-    b_done = b.finish();
-  }
-  return a_done ? b_done : a_done;
+Result<void> finish(Executable& executable, CodeStore* store) {
+  if (Result<void> done = executable.finish(); !done) return done;
+  if (CodeBlob blob = store ? executable.blob() : nullptr) store->insert(executable.key, blob);
+  return {};
 }
 
-Result<ExecutablePtr> finished_executable(ir::Kernel kernel) {
-  Result<ExecutablePtr> code = cached_executable(std::move(kernel));
+// Both back ends at once: generating machine code takes more than nine tenths of a cold pipeline's time.
+Result<void> finish_both(Executable& a, Executable& b, CodeStore* store) {
+  Result<void> done[2];
+  parallel_for(2, [&](uint32_t i) { done[i] = finish(i == 0 ? a : b, store); });
+  return done[0] ? done[1] : done[0];
+}
+
+Result<ExecutablePtr> finished_executable(ir::Kernel kernel, CodeStore* store) {
+  Result<ExecutablePtr> code = cached_executable(std::move(kernel), store);
   if (!code) return code;
-  if (Result<void> done = (*code)->finish(); !done) return std::unexpected(done.error());
+  if (Result<void> done = finish(**code, store); !done) return std::unexpected(done.error());
   return code;
 }
 
@@ -48,16 +37,16 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   if (source.fragment) fragment_shader = kernels::shader_of(*source.fragment);
   Result<kernels::FragmentKernel> fragment = kernels::build_fragment(source, source.fragment ? &fragment_shader : nullptr);
   if (!fragment) return std::unexpected(fragment.error());
-  Result<ExecutablePtr> fragment_code = cached_executable(std::move(fragment->ir));
+  Result<ExecutablePtr> fragment_code = cached_executable(std::move(fragment->ir), source.store);
   if (!fragment_code) return std::unexpected(fragment_code.error());
   std::vector<VaryingSlot> varyings = (*fragment_code)->varyings;
   const kernels::Shader vertex_shader = kernels::shader_of(*source.vertex);
   const VertexOutputs outputs = kernels::add_vertex_outputs(vertex_shader.info, source.draws_points, varyings);
   Result<ir::Kernel> vertex = kernels::build_vertex(source, vertex_shader, varyings);
   if (!vertex) return std::unexpected(vertex.error());
-  Result<ExecutablePtr> vertex_code = cached_executable(std::move(*vertex));
+  Result<ExecutablePtr> vertex_code = cached_executable(std::move(*vertex), source.store);
   if (!vertex_code) return std::unexpected(vertex_code.error());
-  if (Result<void> done = finish_both(**fragment_code, **vertex_code); !done) return std::unexpected(done.error());
+  if (Result<void> done = finish_both(**fragment_code, **vertex_code, source.store); !done) return std::unexpected(done.error());
   return GraphicsKernels{.vertex = *vertex_code,
                          .fragment = *fragment_code,
                          .vertex_slots = static_cast<uint32_t>(4 + varyings.size()),
@@ -74,9 +63,9 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source) {
   const kernels::Shader shader = kernels::shader_of(*source.module);
   Result<ir::Kernel> kernel = kernels::build_compute(source, shader);
   if (!kernel) return std::unexpected(kernel.error());
-  Result<ExecutablePtr> code = finished_executable(std::move(*kernel));
+  Result<ExecutablePtr> code = finished_executable(std::move(*kernel), source.store);
   if (!code) return std::unexpected(code.error());
-  return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes, ir::wave_frame((*code)->ir).bytes};
+  return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes, (*code)->frame_bytes};
 }
 
 Result<KernelPtr> compile_resolve(VkFormat format, uint32_t samples, VkResolveModeFlagBits mode) {
@@ -86,7 +75,7 @@ Result<KernelPtr> compile_resolve(VkFormat format, uint32_t samples, VkResolveMo
 }
 
 Result<KernelPtr> compile_kernel(ir::Kernel kernel) {
-  Result<ExecutablePtr> code = finished_executable(std::move(kernel));
+  Result<ExecutablePtr> code = finished_executable(std::move(kernel), nullptr);
   if (!code) return std::unexpected(code.error());
   return *code;
 }

@@ -160,6 +160,8 @@ struct VaryingSlot {  // a component that the fragment kernel reads from the ver
   bool operator==(const VaryingSlot&) const = default;
 };
 
+class CodeStore;  // code_store.h
+
 struct GraphicsSource {
   const spirv::Module* vertex = nullptr;
   const spirv::Module* fragment = nullptr;  // null: depth only
@@ -169,6 +171,7 @@ struct GraphicsSource {
   bool draws_points = false;             // point lists, or polygon mode POINT: the point size matters
   std::span<const TextureUse> textures;  // of both stages; every spirv::ImageUse that samples must have one
   std::string name;                      // for dumps
+  CodeStore* store = nullptr;            // asked before a kernel is compiled, told afterwards
 };
 
 struct GraphicsKernels {
@@ -188,6 +191,7 @@ struct ComputeSource {
   const PipelineLayout* layout = nullptr;
   std::span<const TextureUse> textures;
   std::string name;
+  CodeStore* store = nullptr;
 };
 
 struct ComputeKernel {

@@ -1,8 +1,10 @@
 #include "compiler/executable.h"
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <optional>
 
@@ -10,14 +12,21 @@
 #include "base/deep_stack.h"
 #include "base/log.h"
 #include "base/stop_word.h"
+#include "compiler/build_id.h"
+#include "compiler/code_image.h"
+#include "compiler/code_store.h"
+#include "compiler/disk_cache.h"
 #include "compiler/eval/eval.h"
 #include "compiler/ir/walk.h"
+#include "compiler/ir/wave_frame.h"
 #include "compiler/jit/jit.h"
 #include "compiler/kernels/kernels.h"
 #include "compiler/passes/passes.h"
 
 namespace pineda::compiler {
 namespace {
+
+constexpr uint64_t kCodeFormat = 1;  // of blobs and images
 
 std::atomic<uint64_t> checked_calls{0}, checked_bytes{0}, differing_bytes{0};
 
@@ -48,6 +57,8 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+std::string serialize_code(const Executable& executable, const std::string& image);
 
 // ---- back ends ------------------------------------------------------------------------------------------------------------
 
@@ -99,6 +110,7 @@ class BackedKernel final : public Executable {
     });
     return status_;
   }
+  CodeBlob blob() const override { return blob_; }
 
  private:
   Result<void> build() {
@@ -111,6 +123,10 @@ class BackedKernel final : public Executable {
     Result<std::unique_ptr<MachineCode>> code = compile_machine_code(ir, hash_);
     if (!code) return std::unexpected(code.error());
     machine_ = std::move(*code);
+    if (key != KernelHash{} && !machine_->code().image.empty()) {
+      blob_ = std::make_shared<const std::string>(serialize_code(*this, machine_->code().image));
+      if (DiskCache* disk = disk_cache()) disk->insert(key, blob_);
+    }
     // Other threads may change what an atomic sees between the two runs, so such kernels are not compared.
     const bool check = mode == Mode::kCheck && !has_atomics(ir);
     handle = check ? KernelHandle{&run_checked, this} : KernelHandle{machine_->code().fn, &stop_word()};
@@ -144,30 +160,65 @@ class BackedKernel final : public Executable {
   Result<void> status_;  // of build(); valid once `once_` has run
   std::optional<eval::Program> program_;
   std::unique_ptr<MachineCode> machine_;
+  CodeBlob blob_;  // constant once finish() has returned
 };
 
 // ---- hashing --------------------------------------------------------------------------------------------------------------
 
 class Hasher {
  public:
-  void add(uint64_t word) {
-    high_ = mix((high_ ^ word) * 0x9E3779B97F4A7C15ull);
-    low_ = mix((low_ + word) * 0xC2B2AE3D27D4EB4Full);
-  }
-  KernelHash result() const { return {high_, low_}; }
+  void add(uint64_t word) { words_.push_back(word); }
+  KernelHash result() const { return hash_words(words_); }
 
  private:
-  static uint64_t mix(uint64_t x) { return x ^ x >> 29; }
-  uint64_t high_ = 0x243F6A8885A308D3ull, low_ = 0x13198A2E03707344ull;
+  std::vector<uint64_t> words_;
+};
+
+// ---- what is kept of a kernel -----------------------------------------------------------------------------------------------
+
+struct BlobHeader {
+  uint64_t frame_bytes = 0;
+  uint64_t varying_count = 0;
+};
+
+// A header, the varyings of a fragment kernel, the image of its code.
+std::string serialize_code(const Executable& executable, const std::string& image) {
+  const BlobHeader header{executable.frame_bytes, executable.varyings.size()};
+  std::string blob(reinterpret_cast<const char*>(&header), sizeof header);
+  blob.append(reinterpret_cast<const char*>(executable.varyings.data()), executable.varyings.size() * sizeof(VaryingSlot));
+  return blob + image;
+}
+
+// Code that some store had.
+class StoredKernel final : public Executable {
+ public:
+  static std::shared_ptr<StoredKernel> load(const CodeBlob& blob) {
+    auto kernel = std::make_shared<StoredKernel>();
+    BlobHeader header;
+    if (blob->size() < sizeof header) return nullptr;
+    std::memcpy(&header, blob->data(), sizeof header);
+    const size_t room = (blob->size() - sizeof header) / sizeof(VaryingSlot);
+    if (header.varying_count > room || header.frame_bytes > kMaxImageBytes) return nullptr;
+    kernel->frame_bytes = header.frame_bytes;
+    kernel->varyings.resize(header.varying_count);
+    const size_t varyings_bytes = header.varying_count * sizeof(VaryingSlot);
+    std::memcpy(kernel->varyings.data(), blob->data() + sizeof header, varyings_bytes);
+    const size_t image_at = sizeof header + varyings_bytes;
+    kernel->code_ = MappedImage::map(std::string_view(*blob).substr(image_at));
+    if (!kernel->code_) return nullptr;
+    kernel->handle = {kernel->code_->entry(), &stop_word()};
+    kernel->blob_ = blob;
+    return kernel;
+  }
+  Result<void> finish() override { return {}; }
+  CodeBlob blob() const override { return blob_; }
+
+ private:
+  std::unique_ptr<MappedImage> code_;
+  CodeBlob blob_;
 };
 
 }  // namespace
-
-std::string KernelHash::text() const {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(high));
-  return digits;
-}
 
 KernelHash hash_kernel(const ir::Kernel& kernel) {
   Hasher hasher;
@@ -191,7 +242,40 @@ KernelHash hash_kernel(const ir::Kernel& kernel) {
   return hasher.result();
 }
 
-Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash) {
+KernelHash code_key(const KernelHash& kernel) {
+  constexpr uint32_t kLooksAtKernels = kDebugIr | kDebugLlvm | kDebugAsm | kDebugPerf;
+  static const KernelHash build = hash_bytes(build_id());
+  static std::string isa_error;
+  static const jit::Isa isa = jit::select_isa(&isa_error);
+  if (config().mode != Mode::kJit || debug(static_cast<DebugFlag>(kLooksAtKernels)) || build_id().empty() || !isa_error.empty())
+    return {};
+  return hash_words(std::array{kCodeFormat, build.high, build.low, static_cast<uint64_t>(isa),
+                               static_cast<uint64_t>(config().precision), kernel.high, kernel.low});
+}
+
+namespace {
+
+// Null when nobody has it.
+ExecutablePtr find_stored(const KernelHash& key, CodeStore* store) {
+  if (key == KernelHash{}) return nullptr;
+  for (CodeStore* place : {store, static_cast<CodeStore*>(disk_cache())}) {
+    const CodeBlob blob = place ? place->find(key) : nullptr;
+    if (!blob) continue;
+    if (std::shared_ptr<StoredKernel> kernel = StoredKernel::load(blob)) return kernel;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash, CodeStore* store) {
+  const KernelHash key = code_key(hash);
+  if (ExecutablePtr stored = find_stored(key, store)) {
+    stored->key = key;
+    stored->ir.name = std::move(kernel.name);
+    stored->ir.kind = kernel.kind;
+    return stored;
+  }
   Stopwatch stopwatch;
   std::string fault;
   with_deep_stack([&] {
@@ -202,7 +286,9 @@ Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash)
   if (!fault.empty()) return compile_error(kernel.name + " is not well formed: " + fault);
   auto executable = std::make_shared<BackedKernel>(hash);
   if (kernel.kind == ir::KernelKind::kFragment) executable->varyings = kernels::compact_varyings(kernel);
+  executable->frame_bytes = ir::wave_frame(kernel).bytes;
   executable->ir = std::move(kernel);
+  executable->key = key;
   if (debug(kDebugTime)) {
     std::fprintf(stderr, "pineda: %s: %zu instructions, passes %.2f ms\n", executable->ir.name.c_str(),
                  executable->ir.insts.size(), stopwatch.lap_ms());

@@ -6,28 +6,30 @@
 #include <memory>
 
 #include "compiler/compile.h"
+#include "compiler/hash.h"
 
 namespace pineda::compiler {
 
-// 128 bits over a kernel's instructions; its name does not count.
-struct KernelHash {
-  uint64_t high = 0, low = 0;
-  bool operator==(const KernelHash&) const = default;
-  auto operator<=>(const KernelHash&) const = default;
-  std::string text() const;  // first 16 hexadecimal digits, for file names
-};
 KernelHash hash_kernel(const ir::Kernel& kernel);
 
 class Executable : public Kernel {
  public:
   std::vector<VaryingSlot> varyings;  // of fragment kernels: slot 4 + i
+  uint64_t frame_bytes = 0;           // ir::wave_frame
 
   // Runs the back end: `handle` is valid afterwards. Thread-safe; who comes second waits for the first and gets the same answer.
   virtual Result<void> finish() = 0;
+
+  // After finish(): what a CodeStore keeps of it under code_key(); null when its code cannot be kept.
+  virtual std::shared_ptr<const std::string> blob() const = 0;
+  KernelHash key;  // code_key() of the kernel as it was built
 };
 using ExecutablePtr = std::shared_ptr<Executable>;
 
-// Runs the passes. Not cached.
-Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash);
+class CodeStore;
+
+// Finds the kernel in `store` (which may be null) or on disk, else runs the passes. A kernel that was found has no `ir` but its
+// name and kind, and is finished.
+Result<ExecutablePtr> make_executable(ir::Kernel kernel, const KernelHash& hash, CodeStore* store);
 
 }  // namespace pineda::compiler

@@ -40,12 +40,12 @@ Cache& cache() {
 
 }  // namespace
 
-Result<ExecutablePtr> cached_executable(ir::Kernel kernel) {
+Result<ExecutablePtr> cached_executable(ir::Kernel kernel, CodeStore* store) {
   const KernelHash hash = hash_kernel(kernel);
   const std::shared_ptr<Entry> entry = cache().entry(hash);
   const std::lock_guard lock(entry->mutex);
   if (ExecutablePtr known = entry->executable.lock()) return known;
-  Result<ExecutablePtr> made = make_executable(std::move(kernel), hash);
+  Result<ExecutablePtr> made = make_executable(std::move(kernel), hash, store);
   if (made) entry->executable = *made;
   return made;
 }

@@ -7,6 +7,7 @@
 namespace pineda::compiler {
 
 // The kernel after its passes; Executable::finish is the caller's to call.
-Result<ExecutablePtr> cached_executable(ir::Kernel kernel);
+// `store` is asked first, and may be null.
+Result<ExecutablePtr> cached_executable(ir::Kernel kernel, CodeStore* store);
 
 }  // namespace pineda::compiler

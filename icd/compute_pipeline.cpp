@@ -2,6 +2,7 @@
 
 #include "base/float_environment.h"
 #include "icd/api.h"
+#include "icd/create_pipelines.h"
 #include "icd/device.h"
 #include "icd/limits.h"
 
@@ -22,7 +23,7 @@ bool within_limits(const spirv::ModuleInfo& info) {
 
 ComputePipeline::~ComputePipeline() { device.background.cancel(this); }
 
-VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
+VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info, compiler::CodeStore* store) {
   const PipelineLayout& layout = *from(info.layout);
   layout_ = layout.compiler_layout();
   if (info.stage.stage != VK_SHADER_STAGE_COMPUTE_BIT) return not_supported("vkCreateComputePipelines: not a compute stage");
@@ -34,7 +35,7 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info) {
   if (!textures_.add(*module_, layout)) return kShaderRejected;
   name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
   if (name_.empty()) name_ = "compute";
-  general_ = compile({});
+  general_ = compile({}, store);
   return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
@@ -44,10 +45,11 @@ uint32_t ComputePipeline::invocations() const {
 }
 
 // Null (reported) when it fails.
-std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::span<const compiler::TextureUse> textures) const {
+std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::span<const compiler::TextureUse> textures,
+                                                                        compiler::CodeStore* store) const {
   const ScopedFloatEnvironment environment;  // constant folding
-  auto compiled =
-      compiler::compile_compute({.module = module_.get(), .layout = layout_.get(), .textures = textures, .name = name_});
+  auto compiled = compiler::compile_compute(
+      {.module = module_.get(), .layout = layout_.get(), .textures = textures, .name = name_, .store = store});
   if (compiled) return std::make_unique<const compiler::ComputeKernel>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
@@ -55,20 +57,15 @@ std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::spa
 
 const compiler::ComputeKernel* ComputePipeline::kernel(const DescriptorSet* const* sets) const {
   if (!samples()) return general_.get();
-  const auto* variant = variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures); });
+  const auto* variant =
+      variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr); });
   return variant ? variant : general_.get();
 }
 
-VkResult api::CreateComputePipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkComputePipelineCreateInfo* infos,
-                                     const VkAllocationCallbacks* callbacks, VkPipeline* out) {
-  const ScopedFloatEnvironment environment;  // constant folding
-  return create_pipelines(count, infos, out, [&](const VkComputePipelineCreateInfo& info, VkPipeline* one) {
-    const Allocator allocator(callbacks, from(device)->allocator);
-    auto pipeline = make_object<ComputePipeline>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(device));
-    if (const VkResult result = pipeline->init(info); result != VK_SUCCESS) return result;
-    *one = to_handle(static_cast<Pipeline*>(pipeline.release()));
-    return VK_SUCCESS;
-  });
+VkResult api::CreateComputePipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                     const VkComputePipelineCreateInfo* infos, const VkAllocationCallbacks* callbacks,
+                                     VkPipeline* out) {
+  return guarded([&] { return create_pipelines<ComputePipeline>(device, cache, count, infos, callbacks, out); });
 }
 
 }  // namespace pineda::icd

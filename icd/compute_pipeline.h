@@ -9,7 +9,7 @@ class ComputePipeline : public Pipeline {
  public:
   ComputePipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_COMPUTE) {}
   ~ComputePipeline() override;
-  VkResult init(const VkComputePipelineCreateInfo& info);
+  VkResult init(const VkComputePipelineCreateInfo& info, compiler::CodeStore* store);  // `store` may be null
 
   bool samples() const { return !textures_.empty(); }
   uint32_t invocations() const;  // of a workgroup
@@ -18,7 +18,8 @@ class ComputePipeline : public Pipeline {
   const compiler::ComputeKernel* kernel(const DescriptorSet* const* sets) const;
 
  private:
-  std::unique_ptr<const compiler::ComputeKernel> compile(std::span<const compiler::TextureUse> textures) const;
+  std::unique_ptr<const compiler::ComputeKernel> compile(std::span<const compiler::TextureUse> textures,
+                                                         compiler::CodeStore* store) const;
 
   std::shared_ptr<const compiler::PipelineLayout> layout_;
   spirv::ModulePtr module_;

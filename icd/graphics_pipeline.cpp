@@ -2,13 +2,14 @@
 
 #include "base/float_environment.h"
 #include "icd/api.h"
+#include "icd/create_pipelines.h"
 #include "icd/device.h"
 
 namespace pineda::icd {
 
 GraphicsPipeline::~GraphicsPipeline() { device.background.cancel(this); }
 
-VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
+VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info, compiler::CodeStore* store) {
   if (const VkResult result = translate_graphics_state(info, &state_); result != VK_SUCCESS) return result;
   const PipelineLayout& layout = *from(info.layout);
   layout_ = layout.compiler_layout();
@@ -24,12 +25,13 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info) {
   }
   if (name_.empty()) name_ = "graphics";
   if (!state_.rasterizes) return VK_SUCCESS;
-  general_ = compile({});
+  general_ = compile({}, store);
   return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
 // Null (reported) when it fails.
-std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::span<const compiler::TextureUse> textures) const {
+std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::span<const compiler::TextureUse> textures,
+                                                                           compiler::CodeStore* store) const {
   const ScopedFloatEnvironment environment;  // constant folding
   auto compiled = compiler::compile_graphics({.vertex = vertex_.get(),
                                               .fragment = fragment_.get(),
@@ -37,7 +39,8 @@ std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::
                                               .vertex_input = state_.vertex_input,
                                               .state = state_.fragment,
                                               .textures = textures,
-                                              .name = name_});
+                                              .name = name_,
+                                              .store = store});
   if (compiled) return std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
@@ -45,20 +48,15 @@ std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::
 
 const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {
   if (!samples()) return general_.get();
-  const auto* variant = variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures); });
+  const auto* variant =
+      variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr); });
   return variant ? variant : general_.get();
 }
 
-VkResult api::CreateGraphicsPipelines(VkDevice device, VkPipelineCache, uint32_t count, const VkGraphicsPipelineCreateInfo* infos,
-                                      const VkAllocationCallbacks* callbacks, VkPipeline* out) {
-  const ScopedFloatEnvironment environment;  // constant folding
-  return create_pipelines(count, infos, out, [&](const VkGraphicsPipelineCreateInfo& info, VkPipeline* one) {
-    const Allocator allocator(callbacks, from(device)->allocator);
-    auto pipeline = make_object<GraphicsPipeline>(allocator, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT, *from(device));
-    if (const VkResult result = pipeline->init(info); result != VK_SUCCESS) return result;
-    *one = to_handle(static_cast<Pipeline*>(pipeline.release()));
-    return VK_SUCCESS;
-  });
+VkResult api::CreateGraphicsPipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                      const VkGraphicsPipelineCreateInfo* infos, const VkAllocationCallbacks* callbacks,
+                                      VkPipeline* out) {
+  return guarded([&] { return create_pipelines<GraphicsPipeline>(device, cache, count, infos, callbacks, out); });
 }
 
 }  // namespace pineda::icd

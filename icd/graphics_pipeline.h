@@ -11,7 +11,7 @@ class GraphicsPipeline : public Pipeline {
   GraphicsPipeline(const Allocator& from, Device& owner) : Pipeline(from, owner, VK_PIPELINE_BIND_POINT_GRAPHICS) {}
   ~GraphicsPipeline() override;
   // Parses the stages and compiles.
-  VkResult init(const VkGraphicsPipelineCreateInfo& info);
+  VkResult init(const VkGraphicsPipelineCreateInfo& info, compiler::CodeStore* store);  // `store` may be null
 
   const GraphicsState& state() const { return state_; }
   bool samples() const { return !textures_.empty(); }
@@ -20,7 +20,8 @@ class GraphicsPipeline : public Pipeline {
   const compiler::GraphicsKernels* kernels(const DescriptorSet* const* sets) const;
 
  private:
-  std::unique_ptr<const compiler::GraphicsKernels> compile(std::span<const compiler::TextureUse> textures) const;
+  std::unique_ptr<const compiler::GraphicsKernels> compile(std::span<const compiler::TextureUse> textures,
+                                                           compiler::CodeStore* store) const;
 
   GraphicsState state_;
   std::shared_ptr<const compiler::PipelineLayout> layout_;

@@ -16,6 +16,7 @@
 #include "icd/extensions.h"
 #include "icd/format_caps.h"
 #include "icd/limits.h"
+#include "icd/pipeline_cache.h"
 #include "icd/version.h"
 
 namespace pineda::icd {
@@ -123,7 +124,7 @@ void api::GetPhysicalDeviceProperties(VkPhysicalDevice, VkPhysicalDeviceProperti
             .deviceType = VK_PHYSICAL_DEVICE_TYPE_CPU,
             .limits = kLimits};
     copy_text(out->deviceName, device_name());
-    std::memcpy(out->pipelineCacheUUID, kPipelineCacheUuid, VK_UUID_SIZE);
+    get_pipeline_cache_uuid(out->pipelineCacheUUID);
     return VK_SUCCESS;
   });
 }

@@ -107,16 +107,4 @@ class Pipeline : public Object {
   const VkPipelineBindPoint bind_point;
 };
 
-// vkCreate*Pipelines: creates each; a failed one leaves a null handle, and the first failure is the result.
-template <typename Info, typename Create>
-VkResult create_pipelines(uint32_t count, const Info* infos, VkPipeline* out, Create&& create) {
-  VkResult result = VK_SUCCESS;
-  for (uint32_t i = 0; i < count; ++i) {
-    out[i] = VK_NULL_HANDLE;
-    const VkResult one = guarded([&] { return create(infos[i], &out[i]); });
-    if (result == VK_SUCCESS) result = one;
-  }
-  return result;
-}
-
 }  // namespace pineda::icd

@@ -18,8 +18,4 @@ inline constexpr uint32_t kDeviceId = 1;
 inline constexpr uint8_t kDeviceUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'C', 'P', 'U', 0, 0, 0, 0, 0, 1};
 inline constexpr uint8_t kDriverUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'd', 'r', 'i', 'v', 'e', 'r', 0, 1, 0};
 
-// Changes whenever the content of a pipeline cache would.
-inline constexpr uint8_t kPipelineCacheUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'c',
-                                                             'a', 'c', 'h', 'e', 0,   0,   1,   0};
-
 }  // namespace pineda::icd

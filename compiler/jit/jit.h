@@ -29,10 +29,11 @@ struct Code {
   void* owner = nullptr;  // opaque
   uint64_t size_bytes = 0;
   std::string llvm_ir, assembly;
+  std::string image;  // the code in a form that can be kept and mapped elsewhere (compiler/code_image.h); empty when it has none
   std::string error;  // empty on success
 };
 
-inline constexpr uint32_t kApiVersion = 1;
+inline constexpr uint32_t kApiVersion = 2;
 
 struct Api {
   uint32_t version;  // kApiVersion: the two libraries come from one build
@@ -40,6 +41,8 @@ struct Api {
   Code (*compile)(const ir::Kernel& kernel, const Options& options);
   void (*release)(void* owner);
 };
+
+std::string plugin_path();  // of libpineda_jit.so, beside this library
 
 // Opens libpineda_jit.so beside this library (once per process). Null with *error set when that fails.
 const Api* api(std::string* error);

@@ -18,6 +18,7 @@ class LinkedCode {
 
   void* entry = nullptr;
   uint64_t size_bytes = 0;  // of code and constants
+  std::string image;        // see code_image.h; empty when the code cannot be moved
   llvm::jitlink::JITLinkMemoryManager::FinalizedAlloc memory;
 };
 

@@ -65,7 +65,7 @@ struct Loaded {
 };
 
 Loaded open_plugin() {
-  const std::string path = own_directory() + "libpineda_jit.so";
+  const std::string path = plugin_path();
   void* library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);  // never closed: its code runs until the process ends
   if (library == nullptr) return {.error = std::string("cannot open the compiler back end: ") + dlerror()};
   const auto entry = reinterpret_cast<const Api* (*)()>(dlsym(library, "pineda_jit_api"));
@@ -76,6 +76,8 @@ Loaded open_plugin() {
 }
 
 }  // namespace
+
+std::string plugin_path() { return own_directory() + "libpineda_jit.so"; }
 
 const Api* api(std::string* error) {
   static const Loaded loaded = open_plugin();

@@ -80,6 +80,7 @@ Code compile(const ir::Kernel& kernel, const Options& options) {
   if (debug(kDebugPerf)) add_to_perf_map(**linked, symbol);
   code.fn = reinterpret_cast<KernelFn>((*linked)->entry);
   code.size_bytes = (*linked)->size_bytes;
+  code.image = std::move((*linked)->image);
   code.owner = linked->release();
   return code;
 }

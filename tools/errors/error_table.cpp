@@ -29,7 +29,7 @@ fault. Where terms may cancel the cell says how much of it an error takes at mos
 random values from fixed seeds (`tools/errors/operands.cpp`). All drivers run the same SPIR-V (`tools/errors/shaders/measured.comp`).
 
 The truth: for functions of one operand glibc's binary64 vector functions (libmvec, below 4 ULP of a binary64, which is 2^-27 ULP
-here); misrounded results within 2^-20 ULP of a tie are decided by MPFR. For the others binary64 arithmetic and glibc's binary64 functions.
+here); results within 2^-20 ULP of a tie are decided by MPFR. For the others binary64 arithmetic and glibc's binary64 functions.
 
 )";
 

@@ -55,14 +55,19 @@ std::vector<Driver> start_drivers(const std::string& columns, const SharedBlock&
   return drivers;
 }
 
-// The exact results of a block.
-void fill_exact(const MeasuredFunction& function, const Block& block, std::vector<double>& exact) {
+// Elements that are computed and compared together: they stay in the cache.
+constexpr uint32_t kPart = 8192;
+
+// The exact results of a part.
+void fill_exact(const MeasuredFunction& function, const Block& part, double* exact) {
   if (function.vector) {
-    static std::vector<double> wide(SharedBlock::kElements);
-    std::copy(block.x, block.x + block.count, wide.begin());
-    return function.vector(wide.data(), exact.data(), block.count);
+    double wide[kPart];
+    std::copy(part.x, part.x + part.count, wide);
+    return function.vector(wide, exact, part.count);
   }
-  for (uint32_t i = 0; i < block.count; ++i) exact[i] = function.reference({block.x[i], block.y[i], block.z[i]});
+  for (uint32_t i = 0; i < part.count; ++i) {
+    exact[i] = function.reference({part.x[i], part.y ? part.y[i] : 0.0, part.z ? part.z[i] : 0.0});
+  }
 }
 
 // f(x) rounded to binary32 by MPFR, and the error in ULP of `got` if it is given.
@@ -77,16 +82,13 @@ struct Precise {
   mpfr_t x, value;
 };
 
-// What the bulk reference cannot decide: of the misrounded results near a tie, those that MPFR finds rightly rounded do not
-// count. Exact when the list holds them all.
+// Near a tie the bulk reference cannot decide which binary32 is the nearest: MPFR does. Not when there are too many to keep.
 void settle_ties(const MeasuredFunction& function, Measurement& m) {
-  if (!function.precise || m.near_ties.size() >= kMaxNearTies) return;
+  if (!function.precise) return;
   Precise precise;
-  for (const float x : m.near_ties) {
-    precise.compute(function, x);
-    // It was given the other neighbour of the tie than the bulk reference's.
-    const float by_bulk = static_cast<float>(function.reference({x, 0, 0}));
-    m.misrounded -= precise.nearest() != by_bulk;
+  for (const NearTie& tie : m.near_ties) {
+    precise.compute(function, tie.x);
+    m.misrounded += precise.nearest() != tie.got;
   }
 }
 
@@ -104,19 +106,12 @@ class FunctionRun {
 
   std::vector<Measurement> run() {
     std::vector<Measurement> sums(drivers_.size());
-    std::vector<double> exact(SharedBlock::kElements);
     start(0);
     for (uint32_t block = 0; block < blocks_; ++block) {
       const uint32_t slot = block % SharedBlock::kSlots;
       for (Driver& driver : drivers_) driver.process->receive(kTimeout);
       if (block + 1 < blocks_) start(block + 1);
-      const Block data{shared_.operands(slot, 0), shared_.operands(slot, 1), shared_.operands(slot, 2), exact.data(),
-                       SharedBlock::kElements};
-      fill_exact(function_, data, exact);
-      Block operands = data;
-      if (function_.operands < 3) operands.z = nullptr;
-      if (function_.operands < 2) operands.y = nullptr;
-      for (uint32_t d = 0; d < drivers_.size(); ++d) sums[d].add(measure(function_, operands, shared_.results(slot, d)));
+      for (uint32_t begin = 0; begin < SharedBlock::kElements; begin += kPart) compare(slot, begin, sums);
     }
     for (Measurement& sum : sums) settle_ties(function_, sum);
     return sums;
@@ -125,6 +120,14 @@ class FunctionRun {
   bool exhaustive() const { return exhaustive_; }
 
  private:
+  void compare(uint32_t slot, uint32_t begin, std::vector<Measurement>& sums) {
+    double exact[kPart];
+    const auto operand = [&](uint32_t i) { return i < function_.operands ? shared_.operands(slot, i) + begin : nullptr; };
+    const Block part{operand(0), operand(1), operand(2), exact, kPart};
+    fill_exact(function_, part, exact);
+    for (uint32_t d = 0; d < drivers_.size(); ++d) measure(function_, part, shared_.results(slot, d) + begin, sums[d]);
+  }
+
   void start(uint32_t block) {
     const uint32_t slot = block % SharedBlock::kSlots;
     fill_operands(function_, exhaustive_, block, shared_.operands(slot, 0), shared_.operands(slot, 1), shared_.operands(slot, 2));

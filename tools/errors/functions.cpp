@@ -222,8 +222,8 @@ const MeasuredFunction kFunctions[] = {
      [](const Operands& in) { return std::sqrt(in.x * in.x + in.y * in.y + in.z * in.z); }, ulps<12>, nullptr, nullptr, 40},
     {"dot(vec3)", 69, 3, "from products and sums", 0.5,
      [](const Operands& in) { return in.x * in.y + in.y * in.z + in.z * in.x; }, allowed_dot, nullptr, nullptr, 13, true},
-    {"cross(vec3).x", 70, 3, "from products and a difference", 0.5,
-     [](const Operands& in) { return in.y * in.x - in.z * in.z; }, allowed_cross, nullptr, nullptr, 13, true},
+    {"cross(vec3).x", 70, 3, "from products and a difference", 0.5, [](const Operands& in) { return in.y * in.x - in.z * in.z; },
+     allowed_cross, nullptr, nullptr, 13, true},
     {"determinant(mat2)", 71, 3, "from products and a difference", 0.5,
      [](const Operands& in) { return in.x * in.x - in.y * in.z; }, allowed_determinant, nullptr, nullptr, 13, true},
 };

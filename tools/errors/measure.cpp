@@ -7,7 +7,6 @@
 namespace pineda::tools {
 namespace {
 
-constexpr uint32_t kPart = 2048;  // elements that are looked at together
 // The bulk reference is good to 2^-20 ULP of a binary32 with a wide margin; what is nearer to a tie is for MPFR to decide.
 constexpr double kUndecided = 0x1p-20;
 
@@ -15,7 +14,7 @@ bool is_denormal(double v) { return v != 0 && std::fabs(v) < 0x1p-126; }
 
 struct Part {
   double worst_ulp, worst_denormal_ulp;
-  uint64_t normal, misrounded, special;
+  uint64_t normal, misrounded, special, near_ties;
 };
 
 // The common case, written for the vectoriser: no branches, no calls; the largest error as an integer, which orders non-negative
@@ -25,7 +24,7 @@ __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"))) Pa
                                                                                         const double* __restrict exact,
                                                                                         const float* __restrict got,
                                                                                         uint32_t count) {
-  int64_t worst = 0, worst_denormal = 0, normal_count = 0, misrounded = 0, special = 0;
+  int64_t worst = 0, worst_denormal = 0, normal_count = 0, misrounded = 0, special = 0, near_ties = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const double e = exact[i], g = got[i], nearest = static_cast<float>(e), operand = x[i];
     const double magnitude = e < 0 ? -e : e, operand_magnitude = operand < 0 ? -operand : operand;
@@ -44,12 +43,15 @@ __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"))) Pa
     const int64_t normal_bits = bits & normal, other_bits = bits & ~normal;
     worst = normal_bits > worst ? normal_bits : worst;
     worst_denormal = other_bits > worst_denormal ? other_bits : worst_denormal;
+    const double from_nearest = (nearest > e ? nearest - e : e - nearest) * scale;
+    const int64_t near_tie = from_nearest > 0.5 - kUndecided ? -1 : 0;
     normal_count -= normal;
-    misrounded -= normal & ~same;
+    near_ties -= normal & near_tie;
+    misrounded -= normal & ~same & ~near_tie;
     special -= ~finite & ~same;
   }
-  return {std::bit_cast<double>(worst), std::bit_cast<double>(worst_denormal), static_cast<uint64_t>(normal_count),
-          static_cast<uint64_t>(misrounded), static_cast<uint64_t>(special)};
+  return {std::bit_cast<double>(worst),      std::bit_cast<double>(worst_denormal), static_cast<uint64_t>(normal_count),
+          static_cast<uint64_t>(misrounded), static_cast<uint64_t>(special),        static_cast<uint64_t>(near_ties)};
 }
 
 class Looker {
@@ -93,42 +95,34 @@ class Looker {
   const float* results_;
 };
 
-}  // namespace
-
-void Measurement::add(const Measurement& block) {
-  count += block.count;
-  normal += block.normal;
-  if (block.worst_ulp > worst_ulp) worst_ulp = block.worst_ulp, worst_at = block.worst_at;
-  if (block.worst_share > worst_share) worst_share = block.worst_share, worst_share_at = block.worst_share_at;
-  beyond += block.beyond;
-  misrounded += block.misrounded;
-  worst_denormal_ulp = std::max(worst_denormal_ulp, block.worst_denormal_ulp);
-  other_specials += block.other_specials;
-  const size_t room = kMaxNearTies - std::min(near_ties.size(), kMaxNearTies);
-  near_ties.insert(near_ties.end(), block.near_ties.begin(), block.near_ties.begin() + std::min(room, block.near_ties.size()));
-}
-
-Measurement measure(const MeasuredFunction& function, const Block& block, const float* results) {
-  Measurement m;
-  m.count = block.count;
-  const Looker looker(function, block, results);
-  for (uint32_t begin = 0; begin < block.count; begin += kPart) {
-    const uint32_t count = std::min(kPart, block.count - begin);
-    const Part part = scan(block.x + begin, block.exact + begin, results + begin, count);
-    m.normal += part.normal;
-    m.misrounded += part.misrounded;
-    m.worst_denormal_ulp = std::max(m.worst_denormal_ulp, part.worst_denormal_ulp);
-    // Functions of several operands are few: each element is looked at.
-    const bool look = function.operands > 1 || part.special > 0 || part.worst_ulp > std::min(m.worst_ulp, function.surely_ulp);
-    for (uint32_t i = begin; look && i < begin + count; ++i) looker.look_at(i, m);
-    if (part.misrounded == 0 || part.misrounded > kPart / 64 || function.precise == nullptr) continue;
-    for (uint32_t i = begin; i < begin + count; ++i) {
-      const double ulps_off = std::fabs(results[i] - block.exact[i]) / ulp_of(block.exact[i]);
-      if (ulps_off > 0.5 - kUndecided && ulps_off < 0.5 + kUndecided && results[i] != static_cast<float>(block.exact[i]))
-        m.near_ties.push_back(block.x[i]);
+// Without a precise reference the bulk's word stands.
+void keep_near_ties(const MeasuredFunction& function, const Block& block, const float* results, Measurement& m) {
+  for (uint32_t i = 0; i < block.count; ++i) {
+    const double exact = block.exact[i];
+    const float nearest = static_cast<float>(exact);
+    if (!std::isfinite(exact) || is_denormal(exact) || is_denormal(block.x[i]) || !std::isfinite(results[i])) continue;
+    if (std::fabs(nearest - exact) / ulp_of(exact) <= 0.5 - kUndecided) continue;
+    if (!function.precise || m.near_ties.size() >= kMaxNearTies) {
+      m.misrounded += results[i] != nearest;
+    } else {
+      m.near_ties.push_back({block.x[i], results[i]});
     }
   }
-  return m;
+}
+
+}  // namespace
+
+void measure(const MeasuredFunction& function, const Block& block, const float* results, Measurement& m) {
+  const Part part = scan(block.x, block.exact, results, block.count);
+  m.count += block.count;
+  m.normal += part.normal;
+  m.misrounded += part.misrounded;
+  m.worst_denormal_ulp = std::max(m.worst_denormal_ulp, part.worst_denormal_ulp);
+  // Functions of several operands are few: each element is looked at.
+  const Looker looker(function, block, results);
+  const bool look = function.operands > 1 || part.special > 0 || part.worst_ulp > std::min(m.worst_ulp, function.surely_ulp);
+  for (uint32_t i = 0; look && i < block.count; ++i) looker.look_at(i, m);
+  if (part.near_ties > 0) keep_near_ties(function, block, results, m);
 }
 
 }  // namespace pineda::tools

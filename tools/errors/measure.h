@@ -8,6 +8,10 @@
 
 namespace pineda::tools {
 
+struct NearTie {  // of a function of one operand
+  float x, got;
+};
+
 // One driver's results of one function. "Normal": the operands that vary and the exact result are normal or zero, which is all
 // that Vulkan bounds (denormals "may be flushed to zero", infinities and NaN "may be" anything without SignedZeroInfNanPreserve).
 struct Measurement {
@@ -16,13 +20,11 @@ struct Measurement {
   Operands worst_at;
   double worst_share = 0;  // of what Vulkan allows; normal
   Operands worst_share_at;
-  uint64_t beyond = 0;            // results beyond what Vulkan allows
-  uint64_t misrounded = 0;        // normal results that are not the binary32 nearest to the exact value (by the bulk reference)
-  double worst_denormal_ulp = 0;  // the others that are finite
-  uint64_t other_specials = 0;    // an infinity or NaN instead of a number or of one another
-  std::vector<float> near_ties;   // unary: operands of misrounded results that the bulk reference cannot decide
-
-  void add(const Measurement& block);
+  uint64_t beyond = 0;             // results beyond what Vulkan allows
+  uint64_t misrounded = 0;         // normal results that are not the binary32 nearest to the exact value (by the bulk reference)
+  double worst_denormal_ulp = 0;   // the others that are finite
+  uint64_t other_specials = 0;     // an infinity or NaN instead of a number or of one another
+  std::vector<NearTie> near_ties;  // normal results not counted above: the bulk reference cannot decide them
 };
 
 inline constexpr size_t kMaxNearTies = 1u << 16;
@@ -32,6 +34,8 @@ struct Block {
   const double* exact;
   uint32_t count;
 };
-Measurement measure(const MeasuredFunction& function, const Block& block, const float* results);
+// Adds a block, of at most kMaxBlock elements.
+inline constexpr uint32_t kMaxBlock = 8192;
+void measure(const MeasuredFunction& function, const Block& block, const float* results, Measurement& sum);
 
 }  // namespace pineda::tools
