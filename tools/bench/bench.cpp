@@ -1,9 +1,11 @@
 #include "tools/bench/bench.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -46,21 +48,22 @@ struct Samples {
 // A driver under test: its process lives through all rows and is started anew only when it died.
 class BenchDriver {
  public:
-  explicit BenchDriver(const DriverSpec& driver) : spec_(driver) {
-    // Cold rows must be cold: no driver may find its shaders on disk.
-    for (const char* name : {"MESA_SHADER_CACHE_DISABLE", "MESA_GLSL_CACHE_DISABLE"})
-      spec_.environment.emplace(spec_.environment.begin(), name, "true");
-    spec_.environment.emplace(spec_.environment.begin(), "PINEDA_CACHE", "off");
+  explicit BenchDriver(const DriverSpec& driver) : spec_(driver) {}
+  ~BenchDriver() {
+    std::error_code ignored;
+    std::filesystem::remove_all(cache_directory(), ignored);
   }
 
   const std::string& label() const { return spec_.label; }
   const std::string& device() const { return device_; }
 
   double start_up_ms() const {
-    DriverProcess fresh(spec_);
+    DriverProcess fresh(with_caches(false));
     return fresh.request({{"command", "open"}}, kTimeout).at("startup_ms");
   }
   std::optional<MeanColour> begin(const BenchRowInfo& row) {
+    if (process_ && disk_cache_ != row.disk_cache) process_.reset();
+    disk_cache_ = row.disk_cache;
     if (!process_) start();
     const json begun = process_->request(
         {{"command", "row_begin"}, {"row", row.name}, {"width", row.extent.width}, {"height", row.extent.height}}, kTimeout);
@@ -78,12 +81,31 @@ class BenchDriver {
   void abandon() { process_.reset(); }
 
  private:
+  std::string cache_directory() const {
+    const auto name = fmt::format("pineda-bench-{}-{}", getpid(), spec_.file_stem());
+    return (std::filesystem::temp_directory_path() / name).string();
+  }
+
+  // Cold rows must be cold: no driver may find its shaders on disk, but in rows that ask for it.
+  DriverSpec with_caches(bool disk_cache) const {
+    DriverSpec spec = spec_;
+    const auto set = [&](const char* name, const std::string& value) {
+      spec.environment.emplace(spec.environment.begin(), name, value);
+    };
+    set("MESA_SHADER_CACHE_DISABLE", disk_cache ? "false" : "true");
+    set("MESA_GLSL_CACHE_DISABLE", disk_cache ? "false" : "true");
+    set("MESA_SHADER_CACHE_DIR", cache_directory());
+    set("PINEDA_CACHE", disk_cache ? cache_directory() : "off");
+    return spec;
+  }
+
   void start() {
-    process_ = std::make_unique<DriverProcess>(spec_);
+    process_ = std::make_unique<DriverProcess>(with_caches(disk_cache_));
     device_ = process_->request({{"command", "open"}}, kTimeout).at("device");
   }
 
-  DriverSpec spec_;
+  const DriverSpec spec_;
+  bool disk_cache_ = false;
   std::string device_;
   std::unique_ptr<DriverProcess> process_;
 };

@@ -6,6 +6,7 @@
 #include "tools/bench/compute_rows.h"
 #include "tools/bench/kernel_rows.h"
 #include "tools/bench/latency_rows.h"
+#include "tools/bench/zoo_rows.h"
 #include "tools/error.h"
 #include "tools/scene.h"
 #include "tools/scene_registry.h"
@@ -58,6 +59,35 @@ std::vector<BenchRowInfo> make_rows() {
       {"cold-compute", "new compute pipeline to its first result", {0, 0}, make_cold_compute_row},
       {"cold-graphics", "new graphics pipeline to its first pixel", {64, 64}, make_cold_graphics_row},
   };
+  const auto zoo = [](ZooStage stage, ZooCache cache) {
+    return [=](VkContext& context, VkExtent2D) { return make_zoo_row(context, stage, cache); };
+  };
+  rows.push_back({"cold-16-graphics",
+                  "16 different graphics pipelines, each to its first pixel",
+                  {0, 0},
+                  zoo(ZooStage::kGraphics, ZooCache::kNone)});
+  rows.push_back({"cold-16-compute",
+                  "16 different compute pipelines, each to its first result",
+                  {0, 0},
+                  zoo(ZooStage::kCompute, ZooCache::kNone)});
+  rows.push_back({"warm-16-graphics",
+                  "the 16 graphics pipelines from a VkPipelineCache",
+                  {0, 0},
+                  zoo(ZooStage::kGraphics, ZooCache::kPipelineCache)});
+  rows.push_back({"warm-16-compute",
+                  "the 16 compute pipelines from a VkPipelineCache",
+                  {0, 0},
+                  zoo(ZooStage::kCompute, ZooCache::kPipelineCache)});
+  rows.push_back({"disk-16-graphics",
+                  "the 16 graphics pipelines from the cache on disk",
+                  {0, 0},
+                  zoo(ZooStage::kGraphics, ZooCache::kNone),
+                  true});
+  rows.push_back({"disk-16-compute",
+                  "the 16 compute pipelines from the cache on disk",
+                  {0, 0},
+                  zoo(ZooStage::kCompute, ZooCache::kNone),
+                  true});
   for (const SceneInfo& scene : known_scenes()) {
     const std::string name = scene.name;
     rows.push_back({name, std::string("scene: ") + scene.title, kFullHd, scene_row([name] { return create_scene(name); })});

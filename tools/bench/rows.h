@@ -27,6 +27,7 @@ struct BenchRowInfo {
   std::string description;
   VkExtent2D extent;
   std::function<std::unique_ptr<BenchRow>(VkContext&, VkExtent2D)> create;  // null: timed by the parent (start-up)
+  bool disk_cache = false;  // the driver may keep its code on disk: the warm-up fills an empty directory
 };
 
 std::span<const BenchRowInfo> bench_rows();

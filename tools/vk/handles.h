@@ -40,6 +40,7 @@ using RenderPassHandle = Owned<VkRenderPass, vkDestroyRenderPass>;
 using FramebufferHandle = Owned<VkFramebuffer, vkDestroyFramebuffer>;
 using ShaderModuleHandle = Owned<VkShaderModule, vkDestroyShaderModule>;
 using PipelineHandle = Owned<VkPipeline, vkDestroyPipeline>;
+using PipelineCacheHandle = Owned<VkPipelineCache, vkDestroyPipelineCache>;
 using PipelineLayoutHandle = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
 using DescriptorSetLayoutHandle = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
 using DescriptorPoolHandle = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;

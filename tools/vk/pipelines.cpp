@@ -160,18 +160,18 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
                                           .layout = desc.layout,
                                           .renderPass = target.render_pass()};
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateGraphicsPipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateGraphicsPipelines");
+  check(vkCreateGraphicsPipelines(context.device(), desc.cache, 1, &info, nullptr, &pipeline), "vkCreateGraphicsPipelines");
   return {context.device(), pipeline};
 }
 
 PipelineHandle create_compute_pipeline(VkContext& context, Spirv shader, VkPipelineLayout layout,
-                                       const VkSpecializationInfo* specialization) {
+                                       const VkSpecializationInfo* specialization, VkPipelineCache cache) {
   const ShaderModuleHandle module = create_shader_module(context, shader);
   const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                          .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, specialization),
                                          .layout = layout};
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(context.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
+  check(vkCreateComputePipelines(context.device(), cache, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
   return {context.device(), pipeline};
 }
 

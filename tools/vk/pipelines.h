@@ -44,10 +44,12 @@ struct GraphicsPipelineDesc {
   VkCullModeFlags cull_mode = VK_CULL_MODE_NONE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   const VkSpecializationInfo* specialization = nullptr;  // of the fragment shader
+  VkPipelineCache cache = VK_NULL_HANDLE;
 };
 
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc);
 PipelineHandle create_compute_pipeline(VkContext& context, Spirv shader, VkPipelineLayout layout,
-                                       const VkSpecializationInfo* specialization = nullptr);
+                                       const VkSpecializationInfo* specialization = nullptr,
+                                       VkPipelineCache cache = VK_NULL_HANDLE);
 
 }  // namespace pineda::tools
