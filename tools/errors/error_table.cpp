@@ -22,10 +22,10 @@ constexpr const char* kIntroduction =
 when a row of Pineda is beyond what Vulkan allows, as the tests do.
 
 Each cell: the largest error in units of the last place (ULP) of the exact result, over all operands and results that are normal
-numbers or zero; in brackets the share of results that are not the binary32 nearest to the exact value. **Bold**: beyond what Vulkan
-allows ("Precision and Operation of SPIR-V Instructions"), with the number of operands. Where Vulkan's demand is "from" a formula,
+numbers or zero; after the semicolon the largest share of what Vulkan allows that an error takes; in brackets how many results are not
+the binary32 nearest to the exact value. **Bold**: beyond what Vulkan allows ("Precision and Operation of SPIR-V Instructions"), with the number of operands. Where Vulkan's demand is "from" a formula,
 it is the error that the formula inherits from its operations; where it is an absolute error or a range, the ULP beyond it are not a
-fault. Where terms may cancel the cell says how much of it an error takes at most. Functions of one operand are measured on all 2^32 values, those of several on 2^26 operands: a grid of edges, neighbours and
+fault. Where terms may cancel no ULP are told. Functions of one operand are measured on all 2^32 values, those of several on 2^26 operands: a grid of edges, neighbours and
 random values from fixed seeds (`tools/errors/operands.cpp`). All drivers run the same SPIR-V (`tools/errors/shaders/measured.comp`).
 
 The truth: for functions of one operand glibc's binary64 vector functions (libmvec, below 4 ULP of a binary64, which is 2^-27 ULP
@@ -40,11 +40,16 @@ std::string cell_text(const MeasuredFunction& function, const json& cell) {
   std::string text = ulp >= 1e5                 ? fmt::format("{:.3g}", ulp)
                      : ulp < 0.505 && ulp > 0.5 ? fmt::format("{:.6f}", ulp)
                                                 : fmt::format("{:.3f}", ulp);
-  if (function.cancels) text = fmt::format("{:.2f} of it", cell.at("worst_share_of_allowed").get<double>());
+  text = fmt::format("{}; {:.2f}", function.cancels ? "" : text, cell.at("worst_share_of_allowed").get<double>());
   if (beyond > 0) text = fmt::format("**{}, {} beyond**", text, beyond);
   if (share == 0) return text + " (0)";
   return text +
          (share >= 1e-4 ? fmt::format(" ({:.2f} %)", 100 * share) : fmt::format(" ({})", cell.at("misrounded").get<uint64_t>()));
+}
+
+std::string escaped(std::string text) {  // for a Markdown table
+  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, 1, '\\');
+  return text;
 }
 
 json operands_json(const Operands& in) {
@@ -77,7 +82,7 @@ void ErrorTable::set(const MeasuredFunction& function, const std::string& column
 }
 
 std::string ErrorTable::row(const MeasuredFunction& function) const {
-  std::string text = fmt::format("| {} | {} |", function.name, function.demand);
+  std::string text = fmt::format("| {} | {} |", function.name, escaped(function.demand));
   const json& cells = data_.at(function.name);
   for (const ErrorColumn& column : kColumns) {
     const bool measured = cells.contains(column.name);
