@@ -98,10 +98,8 @@ VkFormatProperties format_properties(VkFormat format) {
   VkFormatProperties properties{};
   properties.linearTilingFeatures = image_features(*info, VK_IMAGE_TILING_LINEAR);
   properties.optimalTilingFeatures = image_features(*info, VK_IMAGE_TILING_OPTIMAL);
-  if (info->is_plain() && !info->is_depth() && (info->uses & kUseSampled)) {
-    properties.bufferFeatures |= VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
-    if (info->uses & kUseStorageTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
-  }
+  if (info->uses & kUseUniformTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
+  if (info->uses & kUseStorageTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
   if (info->uses & kUseVertex) properties.bufferFeatures |= VK_FORMAT_FEATURE_VERTEX_BUFFER_BIT;
   return properties;
 }
