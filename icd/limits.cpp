@@ -1,5 +1,5 @@
 // Every value is what the implementation does, not what would look good. Where one is below the specification's minimum, the
-// thing itself is missing (multisampling, texel buffers, input attachments), and 0 or 1 says so.
+// thing itself is missing, and 0 or 1 says so.
 #include "icd/limits.h"
 
 #include "base/abi.h"
