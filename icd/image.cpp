@@ -107,10 +107,12 @@ Image::Image(const Allocator& from, Device&, const VkImageCreateInfo& info)
 }
 
 const ImagePlane* Image::decoded_plane(VkFormat view_format) const {
-  const ImagePlane& first = planes_[kFirstDecoded];
-  const ImagePlane& second = planes_[kFirstDecoded + 1];
-  if (!first.format) return nullptr;
-  return second.format && second.decodes == view_format ? &second : &first;
+  for (uint32_t i = kFirstDecoded; i < kPlanes; ++i) {
+    if (planes_[i].format && planes_[i].decodes == view_format) return &planes_[i];
+  }
+  const bool shared =
+      planes_[kFirstDecoded].format && view_format == sibling(format) && decodes_alike(format, *find_format(view_format));
+  return shared ? &planes_[kFirstDecoded] : nullptr;
 }
 
 VkResult api::CreateImage(VkDevice device, const VkImageCreateInfo* info, const VkAllocationCallbacks* callbacks, VkImage* out) {

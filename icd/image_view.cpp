@@ -106,7 +106,7 @@ VkResult ImageView::check(Device&, const VkImageViewCreateInfo& info) {
                               : false;
   if (!same && !compatible) return not_supported("vkCreateImageView: the format is not compatible with the image's");
   if (format->is_compressed() && !image.decoded_plane(info.format)) {
-    return not_supported("vkCreateImageView: a view needs an image that can be sampled");
+    return not_supported("vkCreateImageView: the image has no decoded copy for this format: not sampled, or not of its class");
   }
   if (!type_fits(image, info.viewType)) {
     return not_supported("vkCreateImageView: this type of view does not exist for images of this type and these flags");
