@@ -88,6 +88,8 @@ void Emitter::emit_frame() {
 
 // Where loops look whether they are to end (base/stop_word.h): the handle's word, or one of our own that stays 0.
 void Emitter::emit_stop_pointer() {
+  llvm::IRBuilderBase::InsertPointGuard guard(b_);
+  b_.SetInsertPoint(entry_->getTerminator());  // an alloca anywhere else would grow the stack at run time
   V word = load_field(function_->getArg(0), offsetof(KernelHandle, self), b_.getPtrTy());
   llvm::AllocaInst* never = b_.CreateAlloca(b_.getInt32Ty(), nullptr, "never");
   b_.CreateStore(b_.getInt32(0), never);
