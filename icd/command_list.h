@@ -184,9 +184,13 @@ struct CopyQueryPoolResults {
 };
 struct BeginRenderPass {
   const RenderPass* render_pass;
-  const Framebuffer* framebuffer;
+  std::span<const ImageView* const> views;  // the framebuffer's, or what came with the command (imageless framebuffers)
+  VkExtent2D extent;
+  uint32_t layer_count;
   VkRect2D area;
   std::span<const VkClearValue> clear_values;
+
+  const ImageView& view(uint32_t index) const { return *views[index]; }
 };
 struct NextSubpass {};
 struct EndRenderPass {};

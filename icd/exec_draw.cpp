@@ -68,6 +68,7 @@ void Executor::flush_context(const DrawCall& call) {
   const bool same_draw = context.first_vertex == first_vertex && context.first_instance == call.first_instance &&
                          context.draw_index == call.draw_index;
   if (same_draw && !(dirty_ & kContext)) return;
+  context.view_index = view_;
   context.first_vertex = first_vertex;
   context.first_instance = call.first_instance;
   context.draw_index = call.draw_index;

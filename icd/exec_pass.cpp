@@ -1,10 +1,11 @@
 // Execution of render passes: each subpass is one raster::Pass.
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 #include "base/config.h"
 #include "icd/device.h"
 #include "icd/executor.h"
-#include "icd/framebuffer.h"
 #include "icd/image_view.h"
 #include "icd/render_pass.h"
 #include "icd/transfer.h"
@@ -44,23 +45,23 @@ void set_resolve(raster::Attachment& to, const compiler::KernelPtr& kernel, cons
   to.resolve_row_pitch_bytes = target.row_pitch_bytes;
 }
 
-raster::Attachment attachment(const cmd::BeginRenderPass& begin, const SubpassAttachment& use) {
+raster::Attachment attachment(const cmd::BeginRenderPass& begin, const SubpassAttachment& use, uint32_t layer) {
   if (use.index == VK_ATTACHMENT_UNUSED) return {};
-  raster::Attachment to = begin.framebuffer->view(use.index).attachment(0);
+  raster::Attachment to = begin.view(use.index).attachment(layer);
   to.load = use.load;
   to.store = use.store;
   to.clear = clear_value(begin, use.index);
-  if (use.resolve) set_resolve(to, use.resolve, begin.framebuffer->view(use.resolve_index).attachment(0));
+  if (use.resolve) set_resolve(to, use.resolve, begin.view(use.resolve_index).attachment(layer));
   return to;
 }
 
-raster::Attachment stencil_attachment(const cmd::BeginRenderPass& begin, const SubpassAttachment& use) {
+raster::Attachment stencil_attachment(const cmd::BeginRenderPass& begin, const SubpassAttachment& use, uint32_t layer) {
   if (use.index == VK_ATTACHMENT_UNUSED) return {};
-  raster::Attachment to = begin.framebuffer->view(use.index).stencil_attachment(0);
+  raster::Attachment to = begin.view(use.index).stencil_attachment(layer);
   to.load = use.stencil_load;
   to.store = use.stencil_store;
   to.clear = clear_value(begin, use.index);
-  if (use.stencil_resolve) set_resolve(to, use.stencil_resolve, begin.framebuffer->view(use.resolve_index).stencil_attachment(0));
+  if (use.stencil_resolve) set_resolve(to, use.stencil_resolve, begin.view(use.resolve_index).stencil_attachment(layer));
   return to;
 }
 
@@ -78,9 +79,10 @@ bool view_matches(const ImageView& view, VkFormat format, uint32_t samples) {
 bool formats_match(const cmd::BeginRenderPass& begin, const Subpass& subpass) {
   const auto matches = [&](const SubpassAttachment& use) {
     if (use.index == VK_ATTACHMENT_UNUSED) return true;
+    if (begin.view(use.index).layer_count() < uint32_t(std::bit_width(subpass.view_mask))) return false;
     const bool resolves = use.resolve || use.stencil_resolve;
-    return view_matches(begin.framebuffer->view(use.index), use.format, subpass.samples) &&
-           (!resolves || view_matches(begin.framebuffer->view(use.resolve_index), use.format, 1));
+    return view_matches(begin.view(use.index), use.format, subpass.samples) &&
+           (!resolves || view_matches(begin.view(use.resolve_index), use.format, 1));
   };
   return matches(subpass.depth) && std::all_of(subpass.color.begin(), subpass.color.begin() + subpass.color_count, matches);
 }
@@ -101,21 +103,75 @@ void Executor::begin_subpass() {
     device_.lose("a framebuffer's views have other formats or samples than the attachments of its render pass");
     return;
   }
+  if (subpass.view_mask == 0) return begin_view(0);
+  start_ = SubpassStart{current_, graphics_, compute_, pipeline_, compute_pipeline_, dynamic_, index_};
+  view_ordinal_ = 0;
+  begin_view(uint32_t(std::countr_zero(subpass.view_mask)));
+}
+
+// The load operation of an attachment is performed by the first subpass that uses it; with multiview, by the first for each view.
+VkAttachmentLoadOp Executor::load_of(const SubpassAttachment& use, VkAttachmentLoadOp SubpassAttachment::*load) const {
+  if (!start_) return use.*load;
+  VkAttachmentLoadOp first = use.*load;
+  bool found = false;
+  for (uint32_t s = 0; s < subpass_; ++s) {
+    const Subpass& earlier = begin_->render_pass->subpass(s);
+    const auto visit = [&](const SubpassAttachment& other) {
+      if (other.index != use.index) return;
+      if (!std::exchange(found, true)) first = other.*load;
+      if (earlier.view_mask >> view_ & 1) first = VK_ATTACHMENT_LOAD_OP_LOAD;
+    };
+    for (uint32_t i = 0; i < earlier.color_count; ++i) visit(earlier.color[i]);
+    visit(earlier.depth);
+  }
+  return first;
+}
+
+// Begins the subpass for one view: layer `view` of the attachments. Without multiview that is layer 0.
+void Executor::begin_view(uint32_t view) {
+  const Subpass& subpass = begin_->render_pass->subpass(subpass_);
+  view_ = view;
   pass_desc_ = {};
-  pass_desc_.extent = begin_->framebuffer->extent();
+  pass_desc_.extent = begin_->extent;
   pass_desc_.render_area = clip(begin_->area, pass_desc_.extent);
   pass_desc_.samples = std::max(1u, subpass.samples);
   pass_desc_.color_count = subpass.color_count;
   for (const SubpassAttachment& use : subpass.cleared_first) clear_layers(use, 0);
   for (uint32_t i = 0; i < subpass.color_count; ++i) {
-    pass_desc_.color[i] = attachment(*begin_, subpass.color[i]);
+    pass_desc_.color[i] = attachment(*begin_, subpass.color[i], view);
+    pass_desc_.color[i].load = load_of(subpass.color[i], &SubpassAttachment::load);
     clear_layers(subpass.color[i], 1);
   }
-  pass_desc_.depth = attachment(*begin_, subpass.depth);
-  pass_desc_.stencil = stencil_attachment(*begin_, subpass.depth);
+  pass_desc_.depth = attachment(*begin_, subpass.depth, view);
+  pass_desc_.depth.load = load_of(subpass.depth, &SubpassAttachment::load);
+  pass_desc_.stencil = stencil_attachment(*begin_, subpass.depth, view);
+  pass_desc_.stencil.load = load_of(subpass.depth, &SubpassAttachment::stencil_load);
   clear_layers(subpass.depth, 1);
   pass_.emplace(device_.pool, pass_desc_);
-  dirty_ |= kPacket;  // the pipeline is held against the new attachments
+  dirty_ |= kPacket | kContext;  // the pipeline is held against the new attachments
+}
+
+// False when the subpass has been drawn for all of its views.
+bool Executor::begin_next_view() {
+  const uint32_t later = start_ ? begin_->render_pass->subpass(subpass_).view_mask >> view_ >> 1 : 0;
+  if (later == 0) {
+    start_.reset();
+    view_ordinal_ = 0;
+    view_ = 0;
+    return false;
+  }
+  graphics_ = start_->graphics;
+  compute_ = start_->compute;
+  pipeline_ = start_->pipeline;
+  compute_pipeline_ = start_->compute_pipeline;
+  compute_kernel_ = nullptr;
+  dynamic_ = start_->dynamic;
+  index_ = start_->index;
+  dirty_ = kAll;
+  ++view_ordinal_;
+  replay_from_ = start_->header;
+  begin_view(view_ + 1 + uint32_t(std::countr_zero(later)));
+  return true;
 }
 
 void Executor::run_pass() {
@@ -145,16 +201,21 @@ void Executor::split_subpass(uint32_t samples) {
 // Layers from `first` on: without a geometry shader all primitives go to layer 0, so of the others only the load operation shows.
 void Executor::clear_layers(const SubpassAttachment& use, uint32_t first) {
   if (use.index == VK_ATTACHMENT_UNUSED) return;
-  const ImageView& view = begin_->framebuffer->view(use.index);
+  const ImageView& view = begin_->view(use.index);
   const VkClearValue value = clear_value(*begin_, use.index);
-  const VkRect2D rect = clip(begin_->area, begin_->framebuffer->extent());
+  const VkRect2D rect = clip(begin_->area, begin_->extent);
   const auto clear = [&](const raster::Attachment& layer, VkAttachmentLoadOp load) {
     if (layer.address && load == VK_ATTACHMENT_LOAD_OP_CLEAR) fill_attachment(device_.pool, layer, rect, value);
   };
-  for (uint32_t layer = first; layer < begin_->framebuffer->layer_count(); ++layer) {
-    clear(view.attachment(layer), use.load);
-    clear(view.stencil_attachment(layer), use.stencil_load);
+  const auto clear_layer = [&](uint32_t layer) {
+    clear(view.attachment(layer), load_of(use, &SubpassAttachment::load));
+    clear(view.stencil_attachment(layer), load_of(use, &SubpassAttachment::stencil_load));
+  };
+  if (start_) {  // multiview: the layer of this view is the only one
+    if (first == 0) clear_layer(view_);
+    return;
   }
+  for (uint32_t layer = first; layer < begin_->layer_count; ++layer) clear_layer(layer);
 }
 
 void Executor::execute(const cmd::BeginRenderPass& command) {
@@ -167,12 +228,16 @@ void Executor::execute(const cmd::BeginRenderPass& command) {
 void Executor::execute(const cmd::NextSubpass&) {
   if (!pass_ || subpass_ + 1 >= begin_->render_pass->subpass_count()) return;
   end_subpass();
+  if (begin_next_view()) return;
   ++subpass_;
   begin_subpass();
 }
 
 void Executor::execute(const cmd::EndRenderPass&) {
-  if (pass_) end_subpass();
+  if (pass_) {
+    end_subpass();
+    if (begin_next_view()) return;
+  }
   begin_ = nullptr;
 }
 
@@ -180,14 +245,14 @@ void Executor::execute(const cmd::EndRenderPass&) {
 void Executor::clear_attachment(uint32_t index, const SubpassAttachment& use, const VkClearValue& value,
                                 std::span<const VkClearRect> rects) {
   if (use.index == VK_ATTACHMENT_UNUSED) return;
-  const ImageView& view = begin_->framebuffer->view(use.index);
+  const ImageView& view = begin_->view(use.index);
   for (const VkClearRect& rect : rects) {
     if (rect.baseArrayLayer == 0 && rect.layerCount > 0) pass_->clear(index, value, {&rect.rect, 1});
     for (uint32_t i = 0; i < rect.layerCount; ++i) {
       const uint32_t layer = rect.baseArrayLayer + i;
-      if (layer == 0 || layer >= begin_->framebuffer->layer_count()) continue;
+      if (layer == 0 || layer >= begin_->layer_count) continue;
       const raster::Attachment to = index == raster::Pass::kStencil ? view.stencil_attachment(layer) : view.attachment(layer);
-      if (to.address) fill_attachment(device_.pool, to, clip(rect.rect, begin_->framebuffer->extent()), value);
+      if (to.address) fill_attachment(device_.pool, to, clip(rect.rect, begin_->extent), value);
     }
   }
 }

@@ -17,7 +17,7 @@ void Executor::execute(const cmd::WaitEvents& command) {
 }
 
 void Executor::execute(const cmd::ResetQueryPool& command) { command.pool->reset(command.first, command.count); }
-void Executor::execute(const cmd::WriteTimestamp& command) { command.pool->write_timestamp(command.query); }
+void Executor::execute(const cmd::WriteTimestamp& command) { command.pool->write_timestamp(command.query + view_ordinal_); }
 
 void Executor::execute(const cmd::CopyQueryPoolResults& command) {
   const VkDeviceSize query_bytes =

@@ -1,6 +1,7 @@
 #include "icd/executor.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/srgb.h"
 #include "icd/command_buffer.h"
@@ -40,8 +41,12 @@ void Executor::walk(const CommandBuffer& command_buffer) {
     device_.lose("a command buffer was submitted that has not been recorded completely");
     return;
   }
-  for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next)
+  const bool is_primary = command_buffer.level == VK_COMMAND_BUFFER_LEVEL_PRIMARY;  // render passes begin and end there
+  for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next) {
+    if (is_primary) current_ = header;
     execute(*header);
+    if (is_primary && replay_from_) header = std::exchange(replay_from_, nullptr);
+  }
 }
 
 void Executor::execute(const CommandHeader& header) {
@@ -55,6 +60,8 @@ void Executor::execute(const CommandHeader& header) {
 
 void Executor::abandon() {
   pass_.reset();
+  start_.reset();
+  replay_from_ = nullptr;
   begin_ = nullptr;
   ended_.clear();
 }

@@ -55,6 +55,9 @@ class Executor {
 
   // exec_pass.cpp
   void begin_subpass();
+  void begin_view(uint32_t view);
+  bool begin_next_view();
+  VkAttachmentLoadOp load_of(const SubpassAttachment& use, VkAttachmentLoadOp SubpassAttachment::*load) const;
   void run_pass();
   void end_subpass();
   void split_subpass(uint32_t samples);
@@ -98,6 +101,20 @@ class Executor {
   // Render pass in progress.
   const cmd::BeginRenderPass* begin_ = nullptr;
   uint32_t subpass_ = 0;
+
+  // Multiview: the commands of a subpass are walked once for each view, each time from the same state.
+  struct SubpassStart {
+    const CommandHeader* header;  // of the command that began the subpass
+    BindPoint graphics, compute;
+    const GraphicsPipeline* pipeline;
+    const ComputePipeline* compute_pipeline;
+    DynamicState dynamic;
+    cmd::BindIndexBuffer index;
+  };
+  std::optional<SubpassStart> start_;
+  const CommandHeader* current_ = nullptr;      // of the primary command buffer
+  const CommandHeader* replay_from_ = nullptr;  // the walk goes on behind this one
+  uint32_t view_ = 0, view_ordinal_ = 0;        // view_ordinal_: how many views of the subpass were before
   std::map<std::pair<VkFormat, uint32_t>, compiler::KernelPtr> resolve_kernels_;  // by format and samples
   raster::PassDesc pass_desc_;
   std::optional<raster::Pass> pass_;

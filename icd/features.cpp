@@ -15,7 +15,8 @@ constexpr VkPhysicalDevice16BitStorageFeatures k16BitStorage{.sType = VK_STRUCTU
                                                              .uniformAndStorageBuffer16BitAccess = VK_TRUE,
                                                              .storagePushConstant16 = VK_TRUE,
                                                              .storageInputOutput16 = VK_TRUE};
-constexpr VkPhysicalDeviceMultiviewFeatures kMultiview{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+constexpr VkPhysicalDeviceMultiviewFeatures kMultiview{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES,
+                                                       .multiview = VK_TRUE};
 constexpr VkPhysicalDeviceVariablePointersFeatures kVariablePointers{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES,
     .variablePointersStorageBuffer = VK_TRUE,
@@ -28,6 +29,8 @@ constexpr VkPhysicalDeviceShaderDrawParametersFeatures kShaderDrawParameters{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES, .shaderDrawParameters = VK_TRUE};
 
 // ---- extensions
+constexpr VkPhysicalDeviceImagelessFramebufferFeatures kImagelessFramebuffer{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGELESS_FRAMEBUFFER_FEATURES, .imagelessFramebuffer = VK_TRUE};
 constexpr VkPhysicalDeviceTimelineSemaphoreFeatures kTimelineSemaphore{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES, .timelineSemaphore = VK_TRUE};
 constexpr VkPhysicalDeviceHostQueryResetFeatures kHostQueryReset{
@@ -90,6 +93,7 @@ std::span<const FeatureRow> rows() {
       row(kProtectedMemory, kProtectedMemory.protectedMemory),
       row(kSamplerYcbcrConversion, kSamplerYcbcrConversion.samplerYcbcrConversion),
       row(kShaderDrawParameters, kShaderDrawParameters.shaderDrawParameters),
+      row(kImagelessFramebuffer, kImagelessFramebuffer.imagelessFramebuffer),
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
       row(kDescriptorIndexing, kDescriptorIndexing.runtimeDescriptorArray),

@@ -13,13 +13,17 @@ Framebuffer::Framebuffer(const Allocator& from_allocator, Device&, const VkFrame
       extent_{info.width, info.height},
       layer_count_(info.layers),
       views_(HostAllocator<const ImageView*>(&allocator)) {
+  if (info.flags & VK_FRAMEBUFFER_CREATE_IMAGELESS_BIT) return;
   views_.reserve(info.attachmentCount);
-  for (uint32_t i = 0; i < info.attachmentCount; ++i) {
-    const ImageView& view = *from(info.pAttachments[i]);
-    views_.push_back(&view);
-    extent_.width = std::min(extent_.width, view.extent().width);
-    extent_.height = std::min(extent_.height, view.extent().height);
-    layer_count_ = std::min(layer_count_, view.layer_count());
+  for (uint32_t i = 0; i < info.attachmentCount; ++i) views_.push_back(from(info.pAttachments[i]));
+  clamp_to(views_, &extent_, &layer_count_);
+}
+
+void Framebuffer::clamp_to(std::span<const ImageView* const> views, VkExtent2D* extent, uint32_t* layer_count) {
+  for (const ImageView* view : views) {
+    extent->width = std::min(extent->width, view->extent().width);
+    extent->height = std::min(extent->height, view->extent().height);
+    *layer_count = std::min(*layer_count, view->layer_count());
   }
 }
 

@@ -1,6 +1,8 @@
 // VkFramebuffer: the views that a render pass draws to.
 #pragma once
 
+#include <span>
+
 #include "icd/object.h"
 
 namespace pineda::icd {
@@ -9,12 +11,15 @@ class Framebuffer : public Object {
  public:
   Framebuffer(const Allocator& from, Device&, const VkFramebufferCreateInfo& info);
 
-  const ImageView& view(uint32_t index) const { return *views_[index]; }
+  // Empty for an imageless framebuffer: the views come with vkCmdBeginRenderPass.
+  std::span<const ImageView* const> views() const { return views_; }
+  // What lies inside of all views: drawing beyond an attachment would be invalid, and would write outside of images.
+  static void clamp_to(std::span<const ImageView* const> views, VkExtent2D* extent, uint32_t* layer_count);
+
   VkExtent2D extent() const { return extent_; }
   uint32_t layer_count() const { return layer_count_; }
 
  private:
-  // What was asked for, but never beyond an attachment: that would be invalid, and would write outside of images.
   VkExtent2D extent_;
   uint32_t layer_count_;
   HostVector<const ImageView*> views_;

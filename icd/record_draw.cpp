@@ -81,10 +81,24 @@ void api::CmdBeginRenderPass(VkCommandBuffer handle, const VkRenderPassBeginInfo
       find_in_chain<VkDeviceGroupRenderPassBeginInfo>(info->pNext, VK_STRUCTURE_TYPE_DEVICE_GROUP_RENDER_PASS_BEGIN_INFO);
   const VkRect2D& area = group && group->deviceRenderAreaCount > 0 ? group->pDeviceRenderAreas[0] : info->renderArea;
   cb.record([&] {
-    cb.append(cmd::BeginRenderPass{.render_pass = from(info->renderPass),
-                                   .framebuffer = from(info->framebuffer),
-                                   .area = area,
-                                   .clear_values = cb.copy(info->pClearValues, info->clearValueCount)});
+    const Framebuffer& framebuffer = *from(info->framebuffer);
+    cmd::BeginRenderPass begin{.render_pass = from(info->renderPass),
+                               .views = framebuffer.views(),
+                               .extent = framebuffer.extent(),
+                               .layer_count = framebuffer.layer_count(),
+                               .area = area,
+                               .clear_values = cb.copy(info->pClearValues, info->clearValueCount)};
+    const auto* imageless =
+        find_in_chain<VkRenderPassAttachmentBeginInfo>(info->pNext, VK_STRUCTURE_TYPE_RENDER_PASS_ATTACHMENT_BEGIN_INFO);
+    if (imageless && imageless->attachmentCount > 0) {
+      static_assert(sizeof(ImageView*) == sizeof(VkImageView));
+      begin.views = cb.copy(reinterpret_cast<const ImageView* const*>(imageless->pAttachments), imageless->attachmentCount);
+      Framebuffer::clamp_to(begin.views, &begin.extent, &begin.layer_count);
+    }
+    if (begin.views.size() < begin.render_pass->attachment_count()) {
+      return cb.fail(not_supported("vkCmdBeginRenderPass: the framebuffer has fewer attachments than the render pass"));
+    }
+    cb.append(begin);
     cb.area_px = uint64_t(area.extent.width) * area.extent.height;
     cb.add_cost(cb.area_px / cost::kPixelsPer_ns);
   });
