@@ -26,6 +26,21 @@ TEST(Clients, ScenesAreCleanUnderTheValidationLayer) {
   EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
 }
 
+TEST(Clients, ScenesAreCleanUnderSynchronizationValidation) {
+  const ProcessResult result = run_process("VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT " +
+                                           kCommand + " golden --validate " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
+}
+
+// The quick ones of `./run clients`; what is not installed is skipped, and its row says so.
+TEST(Clients, OtherPeoplesProgramsWork) {
+  const ProcessResult result =
+      run_process(PINEDA_SOURCE_DIR "/tests/clients/run_clients.sh " PINEDA_BUILD_DIR " " PINEDA_BUILD_DIR
+                                    "/clients-test vulkaninfo vkcube_wayland gfxrecon");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+}
+
 TEST(Clients, OnlyTheLoaderInterfaceIsExported) {
   const ProcessResult result = run_process("nm -D --defined-only --format=posix " PINEDA_BUILD_DIR "/libvk_pineda.so");
   ASSERT_EQ(result.exit_status, 0) << result.output;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr uint32_t kSize = 8, kLayers = 3;
-constexpr uint32_t kClear = 0xFF000033;                                // of clear colour (0.2, 0, 0, 1)
+constexpr uint32_t kClear = 0xFF000033;                                                  // of clear colour (0.2, 0, 0, 1)
 constexpr uint32_t view_color(uint32_t view) { return 0xFF000000u | view << 9 | view; }  // kViewFragment
 
 // Layers of an image, and two quads: vertices 0..5 cover the left half, 6..11 the right one.
@@ -77,8 +77,8 @@ struct ViewsFixture {
       }
       const VkRenderPassMultiviewCreateInfo views{
           VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO, nullptr, 2, kMasks, 0, nullptr, 0, nullptr};
-      const VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, &views, 0, 1, &attachment, 2, subpasses, 0,
-                                        nullptr};
+      const VkRenderPassCreateInfo info{
+          VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, &views, 0, 1, &attachment, 2, subpasses, 0, nullptr};
       EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &out), VK_SUCCESS);
     } else {
       VkAttachmentDescription2 attachment{VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2};
@@ -105,9 +105,10 @@ struct ViewsFixture {
     client.defer([this, out] { VK(client, DestroyRenderPass)(client.device, out, nullptr); });
     return out;
   }
-  VkPipeline pipeline(VkRenderPass pass, uint32_t subpass, std::span<const uint32_t> vertex, std::span<const uint32_t> fragment) {
+  VkPipeline pipeline(VkRenderPass pass, uint32_t subpass, std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
+                      VkPipelineLayout layout = VK_NULL_HANDLE) {
     VkPipeline out = VK_NULL_HANDLE;
-    EXPECT_EQ(client.graphics_pipeline({.layout = client.pipeline_layout({}, 0),
+    EXPECT_EQ(client.graphics_pipeline({.layout = layout ? layout : client.pipeline_layout({}, 0),
                                         .pass = pass,
                                         .subpass = subpass,
                                         .vertex = client.module(vertex),
@@ -120,8 +121,8 @@ struct ViewsFixture {
 
 class IcdMultiview : public testing::TestWithParam<bool> {};
 
-// Views 0 and 2 get the left quad, views 0 and 1 the right one; each view is cleared where it is first used. An occlusion query uses
-// one query for each view. With the second version of the commands, the framebuffer is imageless.
+// Views 0 and 2 get the left quad, views 0 and 1 the right one; each view is cleared where it is first used. An occlusion query
+// uses one query for each view. With the second version of the commands, the framebuffer is imageless.
 TEST_P(IcdMultiview, EachViewDrawsToItsLayer) {
   const bool second_version = GetParam();
   VkPhysicalDeviceImagelessFramebufferFeatures imageless{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGELESS_FRAMEBUFFER_FEATURES};
@@ -131,7 +132,8 @@ TEST_P(IcdMultiview, EachViewDrawsToItsLayer) {
   ViewsFixture f({VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME, VK_KHR_IMAGELESS_FRAMEBUFFER_EXTENSION_NAME}, &multiview);
   ASSERT_EQ(f.client.result, VK_SUCCESS);
   const VkRenderPass pass = f.render_pass(second_version);
-  const VkPipeline left = f.pipeline(pass, 0, kViewVertex, kViewFragment), right = f.pipeline(pass, 1, kViewVertex, kViewFragment);
+  const VkPipeline left = f.pipeline(pass, 0, kViewVertex, kViewFragment),
+                   right = f.pipeline(pass, 1, kViewVertex, kViewFragment);
   VkFramebufferAttachmentImageInfo image_info{VK_STRUCTURE_TYPE_FRAMEBUFFER_ATTACHMENT_IMAGE_INFO};
   image_info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   image_info.width = image_info.height = kSize;
@@ -224,6 +226,33 @@ TEST(IcdDrawParameters, ReachTheShader) {
     f.download(cb);
   });
   f.expect(0, 0xFF050000, 0xFF090601);
+}
+
+// vertexPipelineStoresAndAtomics: every vertex that is drawn runs at least once, and no other.
+TEST(IcdVertexStores, ReachTheBuffer) {
+  ViewsFixture f;
+  VkPhysicalDeviceFeatures features;
+  VK(f.client, GetPhysicalDeviceFeatures)(f.client.physical, &features);
+  ASSERT_TRUE(features.vertexPipelineStoresAndAtomics);
+  constexpr PipelineClient::Attachment kAttachment[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  constexpr uint32_t kSubpass[] = {0};
+  const VkRenderPass pass = f.client.render_pass(kAttachment, kSubpass);
+  const VkFramebuffer framebuffer = f.client.framebuffer(pass, {f.view}, {kSize, kSize});
+  const VkDescriptorSetLayout set_layout =
+      f.client.set_layout({{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr}});
+  const VkPipelineLayout layout = f.client.pipeline_layout(set_layout, 0);
+  const VkDescriptorSet set = f.client.descriptor_set(set_layout);
+  const auto buffer = f.client.buffer(512);
+  f.client.write_buffer(set, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {buffer.handle, 0, VK_WHOLE_SIZE});
+  const VkPipeline pipeline = f.pipeline(pass, 0, kStoresVertex, kDrawParametersFragment, layout);
+  f.client.run([&](VkCommandBuffer cb) {
+    f.client.begin_pass(cb, pass, framebuffer, {{0, 0}, {kSize, kSize}}, {VkClearValue{}});
+    VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set, 0, nullptr);
+    f.draw(cb, pipeline, 3);
+    VK(f.client, CmdEndRenderPass)(cb);
+  });
+  for (uint32_t i = 0; i < 12; ++i) EXPECT_EQ(buffer.as<uint32_t>()[i], i >= 3 && i < 9 ? i * 3 + 1 : 0) << i;
+  EXPECT_EQ(buffer.as<uint32_t>()[100], 0x1F8u);
 }
 
 }  // namespace
