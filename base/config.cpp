@@ -25,6 +25,7 @@ constexpr FlagRow kFlags[] = {
     {"specialize", kDebugSpecialize, "specialise pipelines for their textures before the first draw (same bits)"},
     {"api", kDebugApi, "print messages of level info too"},
     {"stats", kDebugStats, "print statistics of each render pass"},
+    {"heatmap", kDebugHeatMap, "a picture of each pass's bins, a pixel a tile: bins-N.pgm in PINEDA_DEBUG_DIR or here"},
     {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},
     {"nofastclear", kDebugNoFastClear, "no clears as tile state (same bits)"},
     {"noopaque", kDebugNoOpaque, "opaque covers drop nothing (same bits)"},
@@ -75,6 +76,8 @@ void print_help() {
       "  PINEDA_TIMEOUT=N|off                    seconds that a submission may run before the device is lost (default: 120)\n"
       "  PINEDA_CACHE=off|DIR                    where compiled kernels are kept (default: $XDG_CACHE_HOME/pineda, "
       "~/.cache/pineda)\n"
+      "  PINEDA_STATS=FILE                       append statistics of each render pass and its draws, a line of JSON each\n"
+      "  PINEDA_TRACE=FILE                       write what threads do when, for chrome://tracing and Perfetto\n"
       "  PINEDA_DEBUG_DIR=DIR                    dumps go to files in DIR\n"
       "  PINEDA_DEBUG=flag,flag...\n");
   for (const FlagRow& row : kFlags) std::fprintf(stderr, "      %-12s %s\n", row.name, row.help);
@@ -115,6 +118,8 @@ Config read_environment() {
   if (text("PINEDA_TIMEOUT").empty() && c.mode == Mode::kJit) c.timeout_s = kDefaultTimeout_s;
   c.cache = text("PINEDA_CACHE");
   c.debug = parse_debug(text("PINEDA_DEBUG"));
+  c.stats_file = text("PINEDA_STATS");
+  c.trace_file = text("PINEDA_TRACE");
   c.debug_dir = text("PINEDA_DEBUG_DIR");
   return c;
 }

@@ -26,6 +26,7 @@ enum DebugFlag : uint32_t {
   kDebugGeneral = 1u << 10,         // pipelines are never specialised for what is bound (same bits)
   kDebugSpecialize = 1u << 11,      // pipelines are specialised before their first draw
   kDebugNoEqualSamples = 1u << 12,  // every sample has its own colour
+  kDebugHeatMap = 1u << 20,         // a picture of each pass's bins
 };
 
 struct Config {
@@ -37,6 +38,8 @@ struct Config {
   uint32_t timeout_s = 0;                     // PINEDA_TIMEOUT: seconds that a submission may run; 0 = no limit
   std::string cache;                          // PINEDA_CACHE=off|DIR; empty = the user's cache directory
   uint32_t debug = 0;                         // DebugFlag bits
+  std::string stats_file;                     // PINEDA_STATS: statistics of each pass, a line of JSON each; empty = none
+  std::string trace_file;                     // PINEDA_TRACE: what threads do when, for chrome://tracing and Perfetto; empty = none
   std::string debug_dir;                      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };
 

@@ -26,16 +26,14 @@ double resolvable_difference(VkFormat format, const std::array<float, 3>& z) {
 
 }  // namespace
 
-float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, const int32_t* x, const int32_t* y,
-                 std::array<float, 3> z) {
+float depth_bias(const DrawPacket& packet, VkFormat format, const int32_t* x, const int32_t* y, std::array<float, 3> z) {
   const double dz1 = double{z[1]} - z[0], dz2 = double{z[2]} - z[0];
   const double x1 = x[1] - x[0], x2 = x[2] - x[0], y1 = y[1] - y[0], y2 = y[2] - y[0];
-  const double per_px = kSubpixels / area_fx16;
+  const double per_px = kSubpixels / (x1 * y2 - y1 * x2);  // exact but for the division
   // The specification's approximation of the maximum slope: the larger of the two slopes' magnitudes.
   const double dzdx = std::fabs((dz1 * y2 - dz2 * y1) * per_px), dzdy = std::fabs((dz2 * x1 - dz1 * x2) * per_px);
   const double slope = dzdx > dzdy ? dzdx : dzdy;
-  auto bias =
-      static_cast<float>(slope * packet.depth_bias_slope + resolvable_difference(format, z) * packet.depth_bias_constant);
+  auto bias = static_cast<float>(slope * packet.depth_bias_slope + resolvable_difference(format, z) * packet.depth_bias_constant);
   if (packet.depth_bias_clamp > 0) bias = std::min(bias, packet.depth_bias_clamp);
   if (packet.depth_bias_clamp < 0) bias = std::max(bias, packet.depth_bias_clamp);
   return bias;

@@ -8,9 +8,7 @@
 
 namespace pineda::raster {
 
-// x and y: window coordinates of a triangle; area_fx16: (x1 - x0) * (y2 - y0) - (y1 - y0) * (x2 - x0), not 0. z: in [0, 1] or
-// beyond.
-float depth_bias(const DrawPacket& packet, VkFormat format, double area_fx16, const int32_t* x_fx8, const int32_t* y_fx8,
-                 std::array<float, 3> z);
+// x, y, z: window coordinates of a triangle whose area is not 0.
+float depth_bias(const DrawPacket& packet, VkFormat format, const int32_t* x_fx8, const int32_t* y_fx8, std::array<float, 3> z);
 
 }  // namespace pineda::raster

@@ -9,6 +9,11 @@
 namespace pineda::raster {
 namespace {
 
+// Clip codes that cut nothing.
+uint32_t cull_distance_codes(const VertexOutputs& outputs) {
+  return (((1u << outputs.cull_count) - 1) * kClipDistances) << outputs.clip_count;
+}
+
 bool is_culled(const DrawPacket& packet, bool front) {
   return (packet.cull & (front ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT)) != 0;
 }
@@ -29,32 +34,33 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
   const Rect bounds = intersect(box, draw.rect_at(view.viewport));
   if (area == 0 || (facing != 0 && (area < 0) != (facing < 0)) || is_culled(draw.packet, front) || bounds.empty()) {
     ++statistics.triangles_culled;
+    if (!bounds.empty()) ++statistics.culled_facing;
     return;
   }
+  emit(draw, view, primitive_id, v, provoking, area > 0, bounds);
+}
+
+// Fills the record of a triangle that is drawn, and bins it.
+inline void GeometryWorker::emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v,
+                                 uint16_t provoking, bool clockwise, const Rect& bounds) {
+  const WindowVertices& w = *view.window;
+  const bool front = clockwise == (draw.packet.front_face == VK_FRONT_FACE_CLOCKWISE);
   const auto index = static_cast<uint32_t>(chunk_->triangles.size());
   Triangle& t = *chunk_->triangles.append(1);
-  t.x_fx8[0] = x0;
-  t.x_fx8[1] = x1;
-  t.x_fx8[2] = x2;
-  t.y_fx8[0] = y0;
-  t.y_fx8[1] = y1;
-  t.y_fx8[2] = y2;
   const float z0 = w.z[v[0]];
   t.z0 = z0;
   t.dz1 = w.z[v[1]] - z0;
   t.dz2 = w.z[v[2]] - z0;
-  t.iw[0] = w.iw[v[0]];
-  t.iw[1] = w.iw[v[1]];
-  t.iw[2] = w.iw[v[2]];
+  for (int k = 0; k < 3; ++k) {
+    t.x_fx8[k] = w.x_fx8[v[k]];
+    t.y_fx8[k] = w.y_fx8[v[k]];
+    t.iw[k] = w.iw[v[k]];
+    t.vertex[k] = v[k];
+  }
   t.primitive_id = primitive_id;
   t.batch = view.batch;
-  t.vertex[0] = v[0];
-  t.vertex[1] = v[1];
-  t.vertex[2] = v[2];
-  t.provoking_and_flags =
-      static_cast<uint16_t>(provoking | (front ? Triangle::kFront : 0) | (area > 0 ? Triangle::kClockwise : 0));
-  if (draw.packet.depth_bias)
-    t.z0 += depth_bias(draw.packet, draw.depth_format, static_cast<double>(area), t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
+  t.set_flags(provoking, front, clockwise, Shape::kTriangle);
+  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
   binner_.add(draw, t, index, bounds);
 }
 
@@ -96,8 +102,7 @@ void GeometryWorker::setup_outline(const Draw& draw, const BatchView& view, uint
   if (packet.depth_bias && widest_area != 0) {
     const std::array<uint16_t, 3> p{v[0], v[widest], v[widest + 1]};
     const int32_t x[3] = {w.x_fx8[p[0]], w.x_fx8[p[1]], w.x_fx8[p[2]]}, y[3] = {w.y_fx8[p[0]], w.y_fx8[p[1]], w.y_fx8[p[2]]};
-    outline.depth_bias =
-        depth_bias(packet, draw.depth_format, static_cast<double>(widest_area), x, y, {w.z[p[0]], w.z[p[1]], w.z[p[2]]});
+    outline.depth_bias = depth_bias(packet, draw.depth_format, x, y, {w.z[p[0]], w.z[p[1]], w.z[p[2]]});
   }
   for (size_t i = 0; i < n; ++i) {
     if (packet.polygon_mode == VK_POLYGON_MODE_LINE) {
@@ -219,15 +224,10 @@ void GeometryWorker::setup_clipped(const Draw& draw, const BatchView& view, uint
 }
 
 // One primitive whose vertices need no clipping.
-inline void GeometryWorker::primitive(const Draw& draw, const BatchView& view, uint32_t primitive_id,
-                                      const std::array<uint16_t, 3>& v) {
+void GeometryWorker::outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v) {
   switch (draw.kind) {
     case PrimitiveKind::kTriangle:
-      if (draw.packet.polygon_mode == VK_POLYGON_MODE_FILL) [[likely]] {
-        setup(draw, view, primitive_id, v, v[0], 0);
-      } else {
-        setup_outline(draw, view, primitive_id, v, v[0]);
-      }
+      setup_outline(draw, view, primitive_id, v, v[0]);
       break;
     case PrimitiveKind::kLine:
       setup_line(draw, view, v[0], v[1], {primitive_id, v[draw.packet.provoking_last ? 1 : 0], true, 0});
@@ -238,34 +238,100 @@ inline void GeometryWorker::primitive(const Draw& draw, const BatchView& view, u
   }
 }
 
-void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
-  statistics.vertices_shaded += batch_.shade(draw, first, count, *chunk_, context_);
-  statistics.triangles_in += count;
+// Filled triangles, 16 at a time. `first`: number of the first in its instance.
+void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
   const DrawPacket& packet = draw.packet;
-  const BatchView view{&batch_.window(), batch_.vertices(), packet.vertex_slots, static_cast<uint32_t>(chunk_->batches.size()),
-                       0};
-  chunk_->batches.push_back({&draw, batch_.vertices(), 0});
-  const uint16_t* code = batch_.window().code;
-  const uint32_t vertex_count = vertices_of(draw.kind);
-  const uint32_t cull_codes = ((1u << packet.outputs.cull_count) - 1) * kClipDistances << packet.outputs.clip_count;
+  const WindowVertices& w = *view.window;
+  const bool front_is_clockwise = packet.front_face == VK_FRONT_FACE_CLOCKWISE;
+  const SmallSetupState state{draw.rect, is_culled(packet, front_is_clockwise), is_culled(packet, !front_is_clockwise),
+                              draw.samples == 1};
+  const uint32_t cull_codes = cull_distance_codes(packet.outputs);
+  SmallSetup& group = small_group_;
+  for (uint32_t base = 0; base < count; base += kLanes) {
+    const uint32_t n = std::min(kLanes, count - base);
+    uint32_t inside = 0, clipped = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+      const std::array<uint16_t, 3>& v = batch_.prim(base + i);
+      const uint32_t any = w.code[v[0]] | w.code[v[1]] | w.code[v[2]];
+      for (uint32_t k = 0; k < 3; ++k) {
+        group.x_fx8[k][i] = w.x_fx8[v[k]];
+        group.y_fx8[k][i] = w.y_fx8[v[k]];
+      }
+      if (any == 0) [[likely]] {
+        inside |= 1u << i;
+      } else if ((any & kClipDrop) == 0 && (w.code[v[0]] & w.code[v[1]] & w.code[v[2]]) == 0) {
+        ((any & ~cull_codes) == 0 ? inside : clipped) |= 1u << i;
+      }
+    }
+    small_setup_(state, group);
+    uint32_t left = (inside & (group.drawn | ~group.small)) | clipped;
+    const auto bits = [](uint32_t mask) { return static_cast<uint32_t>(__builtin_popcount(mask)); };
+    statistics.triangles_culled += n - bits(left);
+    statistics.culled_facing += bits(inside & group.averted);
+    statistics.culled_no_sample += bits(inside & group.missed);
+    for (; left != 0; left &= left - 1) {
+      const auto i = static_cast<uint32_t>(__builtin_ctz(left));
+      const uint64_t number = first + base + i;
+      const auto id = static_cast<uint32_t>(number < draw.prims_per_instance ? number : number % draw.prims_per_instance);
+      const std::array<uint16_t, 3>& v = batch_.prim(base + i);
+      if (clipped >> i & 1) {
+        clip(draw, 0, id, w.code[v[0]] | w.code[v[1]] | w.code[v[2]], {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
+      } else if (group.small >> i & 1) {
+        emit(draw, view, id, v, v[0], (group.clockwise >> i & 1) != 0, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]});
+      } else {
+        setup(draw, view, id, v, v[0], 0);
+      }
+    }
+  }
+}
+
+// Points, lines, and triangles of the other polygon modes.
+void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
+  const uint16_t* code = view.window->code;
+  const uint32_t vertex_count = vertices_of(draw.kind), cull_codes = cull_distance_codes(draw.packet.outputs);
   // Points are never clipped: outside of one plane is outside.
   const uint32_t never = kClipDrop | (draw.kind == PrimitiveKind::kPoint ? 0xFFFF & ~cull_codes : 0);
-  uint64_t in_instance = first % draw.prims_per_instance;
+  if (draw.in_order) stipple_count_ = draw.stipple_count;
   for (uint32_t i = 0; i < count; ++i) {
-    const auto primitive_id = static_cast<uint32_t>(in_instance);
-    if (++in_instance == draw.prims_per_instance) in_instance = 0;
+    const auto primitive_id = static_cast<uint32_t>((first + i) % draw.prims_per_instance);
+    const bool begins = draw.restart_prims.empty() ? primitive_id == 0 : draw.restart_prims[primitive_id].begins;
+    if (!draw.in_order || begins) stipple_count_ = 0;
     std::array<uint16_t, 3> v = batch_.prim(i);
     for (uint32_t k = vertex_count; k < 3; ++k) v[k] = v[0];
     const uint32_t any = code[v[0]] | code[v[1]] | code[v[2]];
-    if (any == 0) [[likely]] {
-      primitive(draw, view, primitive_id, v);
-    } else if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
+    if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
       ++statistics.triangles_culled;
     } else if ((any & ~cull_codes) == 0) {
-      primitive(draw, view, primitive_id, v);
+      outline(draw, view, primitive_id, v);
     } else {
       clip(draw, 0, primitive_id, any, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
     }
+  }
+  if (draw.in_order) draw.stipple_count = stipple_count_;
+}
+
+void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
+  const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_);
+  statistics.vertices_shaded += vertices;
+  statistics.triangles_in += count;
+  const BatchView view{&batch_.window(), batch_.vertices(), draw.packet.vertex_slots,
+                       static_cast<uint32_t>(chunk_->batches.size()), 0};
+  chunk_->batches.push_back({&draw, batch_.vertices(), 0});
+  const PassStatistics before = statistics;
+  const size_t binned = chunk_->triangles.size();
+  const uint64_t in_instance = first % draw.prims_per_instance;
+  if (draw.kind == PrimitiveKind::kTriangle && draw.packet.polygon_mode == VK_POLYGON_MODE_FILL) {
+    run_triangles(draw, view, in_instance, count);
+  } else {
+    run_outlines(draw, view, in_instance, count);
+  }
+  if (draw.counters) [[unlikely]] {
+    DrawCounters& c = *draw.counters;
+    c.vertices_shaded += vertices;
+    c.primitives_in += count;
+    c.triangles_clipped += statistics.triangles_clipped - before.triangles_clipped;
+    c.triangles_culled += statistics.triangles_culled - before.triangles_culled;
+    c.triangles_binned += chunk_->triangles.size() - binned;
   }
 }
 
@@ -286,7 +352,9 @@ void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count)
   }
 }
 
-uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ranges, size_t max_entries, Chunk& chunk) {
+uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ranges, const Options& options, Chunk& chunk) {
+  const size_t max_entries = options.max_chunk_entries;
+  small_setup_ = small_setup_function(options.isa);
   chunk_ = &chunk;
   clip_draw_ = nullptr;
   binner_.begin(grid);

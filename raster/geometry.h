@@ -7,6 +7,7 @@
 #include "raster/binner.h"
 #include "raster/clip.h"
 #include "raster/geometry_types.h"
+#include "raster/small_setup.h"
 #include "raster/vertex_batch.h"
 
 namespace pineda::raster {
@@ -15,8 +16,8 @@ namespace pineda::raster {
 class GeometryWorker {
  public:
   // Runs the ranges into `chunk`, which is empty. Returns how many primitives of the concatenated ranges were done: fewer than
-  // all when the chunk has more bin entries than `max_entries` (huge triangles over many tiles).
-  uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, size_t max_entries, Chunk& chunk);
+  // all when the chunk has more bin entries than Options::max_chunk_entries (huge triangles over many tiles).
+  uint64_t run(const TileGrid& grid, std::span<const PrimRange> ranges, const Options& options, Chunk& chunk);
 
   PassStatistics statistics{};
 
@@ -41,7 +42,11 @@ class GeometryWorker {
     float depth_bias;
   };
 
-  void primitive(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
+  void run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
+  void run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
+  void outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
+  void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
+            bool clockwise, const Rect& bounds);
   void clip(const Draw& draw, uint32_t viewport, uint32_t primitive_id, uint32_t codes, std::array<const float*, 3> vertex);
   void setup_clipped(const Draw& draw, const BatchView& view, uint32_t primitive_id, uint16_t first, uint32_t count,
                      uint16_t provoking);
@@ -62,10 +67,12 @@ class GeometryWorker {
 
   Chunk* chunk_ = nullptr;
   Binner binner_;
+  SmallSetupFn small_setup_ = nullptr;
+  SmallSetup small_group_{};
   VertexBatch batch_;
   Clipper clipper_;
   ThreadContext context_{};
-  uint32_t current_batch_ = 0;
+  uint32_t stipple_count_ = 0;
   // Clipped triangles keep their vertices in batches of their own, filled bit by bit.
   static constexpr uint32_t kClipBatchVertices = 512;
   const Draw* clip_draw_ = nullptr;

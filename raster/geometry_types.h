@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -19,8 +21,6 @@ namespace pineda::raster {
 // that.
 inline constexpr int32_t kSubpixels = 256;
 inline constexpr float kGuardMinPx = -16384, kGuardMaxPx = 32768;
-inline constexpr float kMinPointSize = 1, kMaxPointSize = 1024;  // VkPhysicalDeviceLimits::pointSizeRange
-inline constexpr float kMaxLineWidth = 256;                      // lineWidthRange
 inline constexpr int32_t kMinFx8 = (-16384 - 1) * kSubpixels;  // one pixel of slack for the rounding of clipped coordinates
 inline constexpr int32_t kMaxFx8 = (32768 + 1) * kSubpixels;
 
@@ -148,8 +148,19 @@ struct RestartPrimitive {
 // What a primitive's vertices make, before polygon modes.
 enum class PrimitiveKind : uint8_t { kPoint, kLine, kTriangle };
 
+// DrawStatistics that several threads add to.
+struct DrawCounters {
+  std::atomic<uint64_t> vertices_shaded = 0, primitives_in = 0, triangles_clipped = 0, triangles_culled = 0, triangles_binned = 0;
+  std::atomic<uint64_t> blocks_shaded = 0;
+};
+
 struct Draw {
   DrawPacket packet;
+  // Stippled line strips count their pixels from primitive to primitive, so one thread does all of such a draw, and the count is
+  // here.
+  bool in_order = false;
+  mutable uint32_t stipple_count = 0;
+  DrawCounters* counters = nullptr;  // null: nobody asked
   PrimitiveKind kind = PrimitiveKind::kTriangle;
   ViewportTransform viewport;
   Rect rect;                                 // pixels that may be drawn: scissor, render area, framebuffer
@@ -196,7 +207,7 @@ enum class Shape : uint8_t {
 // vertex). Planes and edges are formed from it in the tiles that really draw it.
 struct alignas(64) Triangle {
   int32_t x_fx8[3], y_fx8[3];
-  float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without
+  float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without. A pixel line has its stipple's start in dz2
   float iw[3];         // 1 / w
   uint32_t primitive_id;
   uint32_t batch;                // in the chunk
@@ -207,6 +218,8 @@ struct alignas(64) Triangle {
     provoking_and_flags = static_cast<uint16_t>(provoking | (front ? kFront : 0) | (clockwise ? kClockwise : 0) |
                                                 static_cast<uint32_t>(shape) << kShapeBit);
   }
+  // Of pixel lines, where l2 is 0: the stipple counter of the first pixel, below 2^12 (as a float next to 0, and harmless).
+  uint32_t stipple_start() const { return std::bit_cast<uint32_t>(dz2); }
   Shape shape() const { return static_cast<Shape>(provoking_and_flags >> kShapeBit & 3); }
 };
 static_assert(sizeof(Triangle) == 64);

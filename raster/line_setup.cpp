@@ -1,4 +1,5 @@
 // Set-up of lines and points: what becomes of them is a parallelogram, or the pixels of a Bresenham line.
+#include <bit>
 #include <cmath>
 
 #if defined(__x86_64__)
@@ -80,6 +81,11 @@ void GeometryWorker::setup_line(const Draw& draw, const BatchView& view, uint16_
       t.y_fx8[k] = ys[k];
     }
     t.set_flags(outline.provoking, outline.front, false, line.shape);
+    if (draw.packet.line.stippled) {  // the counter goes on after each pixel; the pattern repeats after 16 * factor
+      t.dz2 = std::bit_cast<float>(stipple_count_);
+      const auto pixels = static_cast<uint32_t>(std::max(0, line.end - line.first));
+      stipple_count_ = (stipple_count_ + pixels) % (16 * draw.packet.line.stipple_factor);
+    }
   } else {
     // Half the width to both sides. The same offset at both ends keeps the sides parallel to the line, so that l1 is exactly the
     // position along it but for the rounding of this vector.

@@ -47,7 +47,8 @@ std::vector<uint32_t> line_picture(Point a, Point b, LineMode mode, float width 
 std::string text(const std::vector<uint32_t>& picture) {
   std::string out = "\n";
   for (uint32_t y = 0; y < kSize; ++y) {
-    for (uint32_t x = 0; x < kSize; ++x) out += picture[y * kSize + x] > 9 ? '+' : static_cast<char>('0' + picture[y * kSize + x]);
+    for (uint32_t x = 0; x < kSize; ++x)
+      out += picture[y * kSize + x] > 9 ? '+' : static_cast<char>('0' + picture[y * kSize + x]);
     out += '\n';
   }
   return out;
@@ -56,9 +57,7 @@ std::string text(const std::vector<uint32_t>& picture) {
 // Ends on pixel centres, sides and corners of diamonds, and anywhere.
 Point random_point(std::mt19937& rng) {
   const uint32_t step = std::array{1u, 32u, 64u, 128u, 256u}[rng() % 5];
-  const auto coordinate = [&] {
-    return static_cast<int32_t>(rng() % (14 * 256 / step) * step + 256 + (step == 256 ? 128 : 0));
-  };
+  const auto coordinate = [&] { return static_cast<int32_t>(rng() % (14 * 256 / step) * step + 256 + (step == 256 ? 128 : 0)); };
   const int32_t x = coordinate();
   return {x, coordinate()};
 }
@@ -69,9 +68,7 @@ Point random_point(std::mt19937& rng) {
 // 1 / kScale of 1/256 px, so coordinates are exact integers in units of 1 / kScale^2.
 constexpr __int128 kScale = 1 << 14;
 bool leaves_diamond(Point a, Point b, int32_t px, int32_t py) {
-  const auto moved = [](Point p) {
-    return std::array<__int128, 2>{p.x * kScale * kScale - kScale, p.y * kScale * kScale - 1};
-  };
+  const auto moved = [](Point p) { return std::array<__int128, 2>{p.x * kScale * kScale - kScale, p.y * kScale * kScale - 1}; };
   const auto p = moved(a), q = moved(b);
   const __int128 xc = (px * 256 + 128) * kScale * kScale, yc = (py * 256 + 128) * kScale * kScale, half = 128 * kScale * kScale;
   const auto magnitude = [](__int128 v) { return v < 0 ? -v : v; };
@@ -105,12 +102,13 @@ TEST(Lines, BresenhamIsTheDiamondExitRule) {
       for (int32_t x = 0; x < int32_t{kSize}; ++x) expected[static_cast<size_t>(y) * kSize + x] = leaves_diamond(a, b, x, y);
     }
     const std::vector<uint32_t> picture = line_picture(a, b, LineMode::kBresenham);
-    ASSERT_EQ(picture, expected) << i << ": " << a.x << ' ' << a.y << " -> " << b.x << ' ' << b.y << text(picture) << text(expected);
+    ASSERT_EQ(picture, expected) << i << ": " << a.x << ' ' << a.y << " -> " << b.x << ' ' << b.y << text(picture)
+                                 << text(expected);
   }
 }
 
-// Between pixel centres the rule reduces to Bresenham's algorithm without the last pixel. Two other ways to the same pixels, which
-// differ in how they break ties: where the line runs exactly between two centres is asked of the rule's shift.
+// Between pixel centres the rule reduces to Bresenham's algorithm without the last pixel. Two other ways to the same pixels,
+// which differ in how they break ties: where the line runs exactly between two centres is asked of the rule's shift.
 std::vector<uint32_t> dda(int32_t x0, int32_t y0, int32_t x1, int32_t y1) {
   std::vector<uint32_t> picture(kSize * kSize);
   const int32_t dx = x1 - x0, dy = y1 - y0, steps = std::max(std::abs(dx), std::abs(dy));
@@ -169,6 +167,41 @@ TEST(Lines, BresenhamStripsHaveNoPixelTwice) {
   for (const uint32_t v : draw_picture(draw)) EXPECT_LE(v, 1u);
 }
 
+// Along a strip the stipple goes on from segment to segment, whichever way they run; in a list it begins anew.
+TEST(Lines, StippleCountsPixelsAlongAStrip) {
+  const std::vector<Point> path{
+      {128, 4 * 256 + 128}, {10 * 256 + 128, 4 * 256 + 128}, {10 * 256 + 128, 14 * 256 + 128}, {3 * 256 + 128, 14 * 256 + 128}};
+  for (const uint32_t factor : {1u, 2u, 3u}) {
+    constexpr uint32_t kPattern = 0x2D5B;
+    TestDraw strip(4, count_kernel);
+    strip.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_LINE_STRIP;
+    strip.packet_base.line = {LineMode::kBresenham, true, kPattern, factor, 1};
+    for (const Point p : path) add_point(strip, p);
+    std::vector<uint32_t> expected(kSize * kSize);
+    uint32_t s = 0;
+    for (size_t i = 0; i + 1 < path.size(); ++i) {
+      int32_t x = path[i].x >> 8, y = path[i].y >> 8;
+      const int32_t x1 = path[i + 1].x >> 8, y1 = path[i + 1].y >> 8;
+      for (; x != x1 || y != y1; x += (x1 > x) - (x1 < x), y += (y1 > y) - (y1 < y), ++s) {
+        expected[static_cast<size_t>(y) * kSize + x] = kPattern >> s / factor % 16 & 1;
+      }
+    }
+    EXPECT_EQ(draw_picture(strip), expected) << text(draw_picture(strip)) << text(expected);
+    TestDraw list(4, count_kernel);
+    list.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
+    list.packet_base.line = strip.packet_base.line;
+    for (const int32_t y : {2, 9}) {
+      add_point(list, {128, y * 256 + 128});
+      add_point(list, {15 * 256 + 128, y * 256 + 128});
+    }
+    const std::vector<uint32_t> rows = draw_picture(list);
+    for (uint32_t x = 0; x < 15; ++x) {
+      EXPECT_EQ(rows[2 * kSize + x], kPattern >> x / factor % 16 & 1);
+      EXPECT_EQ(rows[9 * kSize + x], rows[2 * kSize + x]);
+    }
+  }
+}
+
 // ---- rectangular lines ----------------------------------------------------------------------------------------------------
 
 // A pixel whose centre is inside the rectangle (in f64, from the ends and the width) by more than the rounding of the corners is
@@ -193,7 +226,8 @@ TEST(Lines, StrictLinesAreRectangles) {
         const double along = (px * dx + py * dy) / length, across = std::fabs(px * dy - py * dx) / length;
         const double inside = std::min({along, length - along, width / 2.0 - across});
         if (std::fabs(inside) < slack) continue;
-        ASSERT_EQ(covered, inside > 0 ? 1u : 0u) << a.x << ' ' << a.y << ' ' << b.x << ' ' << b.y << ' ' << width << text(picture);
+        ASSERT_EQ(covered, inside > 0 ? 1u : 0u)
+            << a.x << ' ' << a.y << ' ' << b.x << ' ' << b.y << ' ' << width << text(picture);
       }
     }
   }
@@ -215,12 +249,13 @@ TEST(Lines, AttributesRunAlongTheLine) {
     for (const bool last : {false, true}) {
       values.assign(kSize * kSize, -1);
       flat.assign(kSize * kSize, -1);
-      TestDraw draw(5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* w) {
-        for_fragments(thread, prims, count, w, [](const FragmentPrim& p, uint32_t*, float*, uint32_t x, uint32_t y) {
-          values[y * kSize + x] = attribute(p, barycentrics(p, x, y), 4);
-          flat[y * kSize + x] = flat_attribute(p, 4);
-        });
-      });
+      TestDraw draw(
+          5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* w) {
+            for_fragments(thread, prims, count, w, [](const FragmentPrim& p, uint32_t*, float*, uint32_t x, uint32_t y) {
+              values[y * kSize + x] = attribute(p, barycentrics(p, x, y), 4);
+              flat[y * kSize + x] = flat_attribute(p, 4);
+            });
+          });
       draw.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
       draw.packet_base.provoking_last = last;
       draw.packet_base.line.mode = mode;
@@ -257,7 +292,8 @@ TEST(Points, AreSquaresOfTheirSize) {
       for (int32_t x = 0; x < int32_t{kSize}; ++x) {
         const double dx = x + 0.5 - p.x / 256.0, dy = y + 0.5 - p.y / 256.0;
         const bool inside = dx >= -size / 2 && dx < size / 2 && dy >= -size / 2 && dy < size / 2;  // top and left sides belong
-        ASSERT_EQ(picture[static_cast<size_t>(y) * kSize + x], inside ? 1u : 0u) << p.x << ' ' << p.y << ' ' << size << text(picture);
+        ASSERT_EQ(picture[static_cast<size_t>(y) * kSize + x], inside ? 1u : 0u)
+            << p.x << ' ' << p.y << ' ' << size << text(picture);
       }
     }
   }
@@ -283,14 +319,15 @@ TEST(Points, OutsideTheViewVolumeAreDiscarded) {
 TEST(Points, CoordinatesGoFromTopLeftToBottomRight) {
   static std::vector<std::array<float, 2>> values;
   values.assign(kSize * kSize, {-1, -1});
-  TestDraw draw(5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
-    for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t*, float*, uint32_t x, uint32_t y) {
-      const Barycentrics b = barycentrics(p, x, y);
-      values[y * kSize + x] = {b.l1, b.l2};
-      EXPECT_EQ(attribute(p, b, 4), 8.0f);
-      EXPECT_EQ(b.z, 0.5f);
-    });
-  });
+  TestDraw draw(
+      5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+        for_fragments(thread, prims, count, waves, [](const FragmentPrim& p, uint32_t*, float*, uint32_t x, uint32_t y) {
+          const Barycentrics b = barycentrics(p, x, y);
+          values[y * kSize + x] = {b.l1, b.l2};
+          EXPECT_EQ(attribute(p, b, 4), 8.0f);
+          EXPECT_EQ(b.z, 0.5f);
+        });
+      });
   draw.packet_base.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
   draw.packet_base.outputs.point_size = 4;
   add_point(draw, {8 * 256, 8 * 256});

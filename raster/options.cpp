@@ -14,6 +14,8 @@ Options default_options() {
   options.fast_clear = !debug(kDebugNoFastClear);
   options.equal_samples = !debug(kDebugNoEqualSamples);
   options.opaque = !debug(kDebugNoOpaque);
+  options.timing = options.per_draw = debug(kDebugStats) || !config().stats_file.empty();
+  options.heat_map = debug(kDebugHeatMap);
   options.isa = isa_from_name(config().isa);
   return options;
 }

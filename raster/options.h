@@ -21,6 +21,9 @@ struct Options {
   size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
   size_t max_chunk_entries = 1 << 20;          // bin entries after which a chunk is cut: 4 MiB
+  bool timing = false;                         // fill PassStatistics' times
+  bool per_draw = false;                       // gather DrawStatistics
+  bool heat_map = false;                       // gather bin entries by tile
   Isa isa = Isa::kSse42;
 };
 

@@ -128,6 +128,8 @@ void Pass::State::record(const DrawPacket& packet) {
   draw.packet = packet;
   draw.packet.count = static_cast<uint32_t>(vertices);
   draw.kind = topology.kind;
+  draw.in_order = packet.line.stippled && topology.kind == PrimitiveKind::kLine && !topology.is_list;
+  if (scene.options.per_draw) draw.counters = &counters.emplace_back();
   if (packet.primitive_restart && packet.index.address) {
     draw.restart_prims = restart_primitives(draw.packet);
     draw.prims_per_instance = draw.restart_prims.size();
@@ -198,6 +200,17 @@ void Pass::keep_in_memory() {
     a.resolve = {};
   }
 }
+
+std::vector<DrawStatistics> Pass::draw_statistics() const {
+  std::vector<DrawStatistics> draws;
+  for (const DrawCounters& c : state_->counters) {
+    draws.push_back(
+        {c.vertices_shaded, c.primitives_in, c.triangles_clipped, c.triangles_culled, c.triangles_binned, c.blocks_shaded});
+  }
+  return draws;
+}
+
+Pass::HeatMap Pass::heat_map() const { return {state_->scene.grid.columns, state_->scene.grid.rows, state_->bin_entries}; }
 
 PassStatistics Pass::end() {
   State& s = *state_;

@@ -1,6 +1,7 @@
 // The state of a pass: what is recorded (pass.cpp) and how it runs (schedule.cpp).
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <span>
 #include <vector>
@@ -47,6 +48,8 @@ struct Pass::State {
   std::vector<std::unique_ptr<Chunk>> committed;
   size_t committed_bytes = 0;
   PassStatistics statistics{};
+  std::deque<DrawCounters> counters;  // with Options::per_draw
+  std::vector<uint64_t> bin_entries;  // of each tile, with Options::heat_map
 };
 
 }  // namespace pineda::raster

@@ -62,6 +62,9 @@ struct ViewportArray {
   std::array<VkRect2D, kMaxViewports> scissor{};
 };
 
+inline constexpr float kMinPointSize = 1, kMaxPointSize = 1024;  // VkPhysicalDeviceLimits::pointSizeRange
+inline constexpr float kMaxLineWidth = 256;                      // lineWidthRange
+
 // VK_EXT_line_rasterization. kStrict is also what VkPhysicalDeviceLimits::strictLines promises.
 enum class LineMode : uint8_t { kStrict, kBresenham, kSmooth };
 
@@ -109,10 +112,14 @@ struct DrawPacket {
 };
 
 struct PassStatistics {
-  uint64_t vertices_in, primitives_in;  // what input assembly read, of all instances
-  uint64_t draws, vertices_shaded, triangles_in, triangles_clipped, triangles_culled, triangles_binned;
-  uint64_t fragments_shaded;  // covered lanes that kernels were called for
-  uint64_t bin_entries, blocks_shaded, blocks_hi_z_rejected, tiles_touched, tiles_filled, tiles_untouched, flushes;
+#define PINEDA_STATISTIC(name, text) uint64_t name = 0;
+#include "raster/statistics.inc"
+};
+
+// The part of one draw, when Options::per_draw asks for it.
+struct DrawStatistics {
+  uint64_t vertices_shaded = 0, primitives_in = 0, triangles_clipped = 0, triangles_culled = 0, triangles_binned = 0;
+  uint64_t blocks_shaded = 0;
 };
 
 struct Options;  // raster/options.h: what must not change a bit
@@ -131,6 +138,13 @@ class Pass {
   void keep_in_memory();
   // Runs what is pending; attachments are in memory afterwards.
   PassStatistics end();
+  // After end(), if Options asked for them: each draw that was recorded; bin entries of each tile, row by row.
+  std::vector<DrawStatistics> draw_statistics() const;
+  struct HeatMap {
+    uint32_t columns = 0, rows = 0;
+    std::vector<uint64_t> entries;
+  };
+  HeatMap heat_map() const;
 
  private:
   struct State;

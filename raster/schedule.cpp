@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/trace.h"
 #include "raster/pass_state.h"
 
 namespace pineda::raster {
@@ -19,20 +20,19 @@ constexpr uint64_t kSerialEntries = 512;
 constexpr uint32_t kFillTilesPerJob = 8;
 
 void add_statistics(PassStatistics& sum, const PassStatistics& s) {
-  sum.draws += s.draws;
-  sum.vertices_shaded += s.vertices_shaded;
-  sum.triangles_in += s.triangles_in;
-  sum.triangles_clipped += s.triangles_clipped;
-  sum.triangles_culled += s.triangles_culled;
-  sum.triangles_binned += s.triangles_binned;
-  sum.bin_entries += s.bin_entries;
-  sum.blocks_shaded += s.blocks_shaded;
-  sum.fragments_shaded += s.fragments_shaded;
-  sum.blocks_hi_z_rejected += s.blocks_hi_z_rejected;
-  sum.tiles_touched += s.tiles_touched;
-  sum.tiles_filled += s.tiles_filled;
-  sum.tiles_untouched += s.tiles_untouched;
-  sum.flushes += s.flushes;
+#define PINEDA_STATISTIC(name, text) sum.name += s.name;
+#include "raster/statistics.inc"
+}
+
+// Runs body(); when it is asked for, its time goes to `sum_ns` and to the trace.
+template <class Body>
+void timed(const Options& options, const char* name, uint64_t& sum_ns, const Body& body) {
+  if (!options.timing && !tracing()) return body();
+  const uint64_t begin = now_ns();
+  body();
+  const uint64_t end = now_ns();
+  sum_ns += end - begin;
+  if (tracing()) trace_event(name, begin, end);
 }
 
 uint64_t total_prims(const Draw& draw) { return draw.prims_per_instance * draw.packet.instance_count; }
@@ -76,7 +76,8 @@ void Pass::State::plan_window(Cursor& cursor, std::vector<Job>& jobs) {
       const Draw& draw = workspace->draws[cursor.draw];
       const uint64_t prim_bytes = sizeof(Triangle) + 3 * sizeof(float) * uint64_t{draw.packet.vertex_slots};
       const uint64_t room = std::min<uint64_t>(chunk - cost, kWorstChunkBytes / prim_bytes + 1);
-      const uint64_t count = std::min(room, total_prims(draw) - cursor.prim);
+      const uint64_t left = total_prims(draw) - cursor.prim;
+      const uint64_t count = draw.in_order ? std::min<uint64_t>(left, ~0u) : std::min(room, left);
       if (count != 0) job.ranges.push_back({&draw, cursor.prim, static_cast<uint32_t>(count)});
       job.prims += count;
       cost += kDrawCostPrims + count;
@@ -100,7 +101,9 @@ void Pass::State::run_window(std::vector<Job>& jobs) {
   pool.parallel_for(
       static_cast<uint32_t>(jobs.size()),
       [&](uint32_t i, uint32_t thread) {
-        jobs[i].done = geometry_worker(thread).run(scene.grid, jobs[i].ranges, scene.options.max_chunk_entries, *jobs[i].chunk);
+        GeometryWorker& worker = geometry_worker(thread);
+        timed(scene.options, "geometry", worker.statistics.geometry_ns,
+              [&] { jobs[i].done = worker.run(scene.grid, jobs[i].ranges, scene.options, *jobs[i].chunk); });
       },
       prims >= kSerialPrims);
   for (Job& job : jobs) finish_job(job);
@@ -120,10 +123,7 @@ void Pass::State::finish_job(Job& job) {
     }
     std::unique_ptr<Chunk> chunk = workspace->take_chunk();
     pool.parallel_for(
-        1,
-        [&](uint32_t, uint32_t thread) {
-          job.done += geometry_worker(thread).run(scene.grid, rest, scene.options.max_chunk_entries, *chunk);
-        },
+        1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, scene.options, *chunk); },
         false);
     commit(std::move(chunk));
   }
@@ -133,6 +133,10 @@ void Pass::State::commit(std::unique_ptr<Chunk> chunk) {
   statistics.triangles_binned += chunk->triangles.size();
   statistics.bin_entries += chunk->entries.size();
   scene.commit(*chunk);
+  if (scene.options.heat_map) {
+    bin_entries.resize(scene.grid.count());
+    for (size_t i = 0; i < chunk->segments.size(); ++i) bin_entries[chunk->segments[i].tile] += chunk->segments[i].count;
+  }
   committed_bytes += chunk->used_bytes();
   committed.push_back(std::move(chunk));
 }
@@ -159,7 +163,8 @@ void Pass::State::flush(bool last) {
       [&](uint32_t i, uint32_t thread) {
         TileWorker& worker = tile_worker(thread);
         if (i < draw_jobs) {
-          worker.run(scene, touched[i], scene.tiles[touched[i]]);
+          timed(scene.options, "tile", worker.statistics.tiles_ns,
+                [&] { worker.run(scene, touched[i], scene.tiles[touched[i]]); });
           return;
         }
         const size_t first = size_t{i - draw_jobs} * kFillTilesPerJob, end = std::min(untouched.size(), first + kFillTilesPerJob);

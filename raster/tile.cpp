@@ -57,12 +57,28 @@ void TileWorker::place(const Scene& scene, uint32_t tile) {
   attachments_.place(scene, position_);
 }
 
+// What a tile's loads and stores move; all passes count it, because it is cheap.
+void TileWorker::count_bytes(const Scene& scene, const TileState& state) {
+  const Rect& r = position_.rect;
+  const uint64_t pixels = uint64_t(r.x1 - r.x0) * uint64_t(r.y1 - r.y0);
+  for (uint32_t slot = 0; slot < Scene::kSlots; ++slot) {
+    const PassAttachment& a = scene.attachments[slot];
+    if (!a.address) continue;
+    const uint64_t bytes = pixels * a.texel_bytes;
+    const bool covered = state.covered && slot < scene.color_count;
+    if ((a.load || state.in_memory) && !covered) statistics.bytes_loaded += bytes * scene.samples();
+    if (a.store || !scene.last_flush) statistics.bytes_stored += bytes * scene.samples();
+    if (a.resolve.fn && scene.last_flush) statistics.bytes_stored += bytes;
+  }
+}
+
 void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   scene_ = &scene;
   place(scene, tile);
   coverage_ = &coverage_functions(scene.options.isa);
   cover_samples_ = cover_samples_function(scene.options.isa);
   if (scene.samples() > 1 && sample_waves_.empty()) sample_waves_.append(std::size(waves_));
+  count_bytes(scene, state);
   attachments_.load(scene, state);
   const PassAttachment& depth = scene.depth();
   hi_z_on_ = scene.options.hi_z && depth.address && hi_z_supports(depth.format);
@@ -218,8 +234,11 @@ uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
   const Rect r =
       intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
-  const uint32_t count = cover(t, covers, r, out);
-  if (t.shape() >= Shape::kPixelLineX) return cut_to_rect<Wave>(r, count);  // its ends
+  uint32_t count = cover(t, covers, r, out);
+  if (t.shape() >= Shape::kPixelLineX) {  // its ends, and what the stipple leaves
+    count = cut_to_rect<Wave>(r, count);
+    return draw_->packet.line.stippled ? cut_by_stipple<Wave>(t, count) : count;
+  }
   return draw_rect_full_ ? count : cut_to_rect<Wave>(draw_rect_, count);
 }
 
@@ -230,6 +249,31 @@ uint32_t TileWorker::cut_to_rect(const Rect& rect, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     Wave wave = waves[i];
     keep_lanes(wave, rect_lanes(rect, header(wave).x_px - position_.x_px, header(wave).y_px - position_.y_px));
+    waves[kept] = wave;
+    kept += header(wave).coverage != 0;
+  }
+  return kept;
+}
+
+// "Line Stipple": pixel number s of the line, counted from its first vertex, is drawn if bit s / factor (modulo 16) is set.
+template <class Wave>
+uint32_t TileWorker::cut_by_stipple(const Triangle& line, uint32_t count) {
+  Wave* const waves = queue<Wave>();
+  const LineState& state = draw_->packet.line;
+  const bool is_x = line.shape() == Shape::kPixelLineX;
+  const int32_t first = line.x_fx8[2], end = line.y_fx8[2];  // pixels of the longer axis
+  const bool forwards = is_x ? line.x_fx8[0] <= line.x_fx8[1] : line.y_fx8[0] <= line.y_fx8[1];
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    Wave wave = waves[i];
+    const uint32_t origin = is_x ? header(wave).x_px : header(wave).y_px;
+    uint32_t lanes = 0;
+    for (uint32_t lane = 0; lane < kLanes; ++lane) {
+      const auto pixel = static_cast<int32_t>(origin + (is_x ? morton_x(lane) : morton_y(lane)));
+      const auto number = static_cast<uint32_t>(forwards ? pixel - first : end - 1 - pixel);
+      lanes |= (state.stipple_pattern >> (line.stipple_start() + number) / state.stipple_factor % 16 & 1u) << lane;
+    }
+    keep_lanes(wave, lanes);
     waves[kept] = wave;
     kept += header(wave).coverage != 0;
   }
@@ -361,6 +405,8 @@ void TileWorker::flush() {
     flush_samples();
   }
   statistics.blocks_shaded += wave_count_;
+  if (draw_->counters) [[unlikely]]
+    draw_->counters->blocks_shaded += wave_count_;
   prim_count_ = wave_count_ = 0;
   if (hi_z_on_) hi_z_.flushed();
   if (packet.samples_passed)

@@ -34,6 +34,7 @@ class TileWorker {
   };
 
   void place(const Scene& scene, uint32_t tile);
+  void count_bytes(const Scene& scene, const TileState& state);
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
   void begin_draw(const Draw& draw);
@@ -52,6 +53,8 @@ class TileWorker {
   uint32_t cover(const Triangle& triangle, bool covers, const Rect& box_px, FragmentSampleWave* out);
   template <class Wave>
   uint32_t find_blocks(const Triangle& triangle, bool covers);
+  template <class Wave>
+  uint32_t cut_by_stipple(const Triangle& line, uint32_t count);
   template <class Wave>
   uint32_t cut_to_rect(const Rect& rect, uint32_t count);
   template <class Wave>
