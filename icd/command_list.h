@@ -23,10 +23,19 @@ struct BindPipeline {
   const ComputePipeline* compute;
 };
 struct SetViewport {
-  VkViewport viewport;
+  uint32_t first;
+  std::span<const VkViewport> viewports;
 };
 struct SetScissor {
-  VkRect2D scissor;
+  uint32_t first;
+  std::span<const VkRect2D> scissors;
+};
+struct SetLineWidth {
+  float width;
+};
+struct SetLineStippleEXT {
+  uint32_t factor;
+  uint16_t pattern;
 };
 struct SetDepthBias {
   float constant, clamp, slope;

@@ -20,6 +20,7 @@ auto make_table() {
 #define PINEDA_PLATFORM_PHYSICAL(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kPhysical, Gate::gate},
 #define PINEDA_DEVICE(name, gate) CommandEntry{"vk" #name, erase(&api::name), Level::kDevice, Gate::gate},
 #define PINEDA_COMMAND(name) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, Gate::kCore},
+#define PINEDA_GATED_COMMAND(name, gate) CommandEntry{"vkCmd" #name, erase(&api::Cmd##name), Level::kDevice, Gate::gate},
 #define PINEDA_ALIAS(alias, name, level, gate) CommandEntry{"vk" #alias, erase(&api::name), Level::level, Gate::gate},
 #include "icd/commands.inc"
   };

@@ -4,6 +4,7 @@
 #include "icd/buffer.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/limits.h"
 #include "icd/query_pool.h"
 #include "icd/render_pass.h"
 
@@ -43,8 +44,18 @@ bool Executor::flush_packet() {
   packet_.per_sample = kernels_->per_sample;
   packet_.topology = state.topology;
   packet_.primitive_restart = state.primitive_restart;
-  packet_.viewport = dynamic_.viewport;
-  packet_.scissor = dynamic_.scissor;
+  packet_.provoking_last = state.provoking_last;
+  packet_.viewport = dynamic_.viewports[0];
+  packet_.scissor = dynamic_.scissors[0];
+  if (state.viewport_count > 1 && kernels_->outputs.viewport_index != 0) {
+    packet_.viewports = arena_.make(raster::ViewportArray{state.viewport_count, dynamic_.viewports, dynamic_.scissors});
+  }
+  packet_.polygon_mode = state.polygon_mode;
+  packet_.line = state.line;
+  // Written so that NaN becomes 1.
+  packet_.line.width_px = dynamic_.line_width > 1 ? std::min(dynamic_.line_width, kLimits.lineWidthRange[1]) : 1;
+  packet_.line.stipple_factor = std::clamp(dynamic_.stipple_factor, 1u, 256u);
+  packet_.line.stipple_pattern = dynamic_.stipple_pattern;
   packet_.cull = state.cull;
   packet_.front_face = state.front_face;
   packet_.depth_clip = state.depth_clip;
@@ -77,8 +88,11 @@ void Executor::flush_context(const DrawCall& call) {
   std::ranges::copy(dynamic_.stencil_compare_mask, context.stencil_compare_mask);
   std::ranges::copy(dynamic_.stencil_write_mask, context.stencil_write_mask);
   std::ranges::copy(dynamic_.depth_bounds, context.depth_bounds);
-  context.depth_range[0][0] = std::min(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
-  context.depth_range[0][1] = std::max(dynamic_.viewport.minDepth, dynamic_.viewport.maxDepth);
+  for (uint32_t i = 0; i < pipeline_->state().viewport_count; ++i) {
+    const VkViewport& viewport = dynamic_.viewports[i];
+    context.depth_range[i][0] = std::min(viewport.minDepth, viewport.maxDepth);
+    context.depth_range[i][1] = std::max(viewport.minDepth, viewport.maxDepth);
+  }
   context.count_samples = occlusion_.pool != nullptr;
   packet_.context = arena_.make(context);
 }

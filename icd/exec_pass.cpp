@@ -1,6 +1,9 @@
 // Execution of render passes: each subpass is one raster::Pass.
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 #include "base/config.h"
@@ -9,18 +12,30 @@
 #include "icd/image_view.h"
 #include "icd/render_pass.h"
 #include "icd/transfer.h"
+#include "raster/statistics_report.h"
 
 namespace pineda::icd {
 namespace {
 
-void report_statistics(const raster::PassStatistics& s) {
-  const auto n = [](uint64_t value) { return std::to_string(value); };
-  report(Severity::kInfo, "render pass: " + n(s.draws) + " draws, " + n(s.vertices_shaded) + " vertices, triangles " +
-                              n(s.triangles_in) + " in, " + n(s.triangles_culled) + " culled, " + n(s.triangles_clipped) +
-                              " clipped, " + n(s.triangles_binned) + " binned in " + n(s.bin_entries) + " entries; blocks " +
-                              n(s.blocks_shaded) + " shaded, " + n(s.blocks_hi_z_rejected) + " rejected by Hi-Z; tiles " +
-                              n(s.tiles_touched) + " touched, " + n(s.tiles_filled) + " filled, " + n(s.tiles_untouched) +
-                              " untouched; " + n(s.flushes) + " flushes");
+void write_file(const std::string& path, const char* mode, const std::string& bytes) {
+  std::FILE* file = std::fopen(path.c_str(), mode);
+  const bool written = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  if (!file || std::fclose(file) != 0 || !written) report(Severity::kWarning, path + " cannot be written");
+}
+
+// What PINEDA_DEBUG=stats, PINEDA_STATS and PINEDA_DEBUG=heatmap ask for.
+void report_statistics(const raster::Pass& pass, const raster::PassStatistics& statistics) {
+  if (debug(kDebugStats)) report(Severity::kInfo, "render pass: " + raster::statistics_text(statistics));
+  if (!config().stats_file.empty()) {
+    write_file(config().stats_file, "ae", raster::statistics_json(statistics, pass.draw_statistics()) + "\n");
+  }
+  if (debug(kDebugHeatMap)) {
+    static std::atomic<uint32_t> number = 0;
+    const raster::Pass::HeatMap map = pass.heat_map();
+    const std::string directory = config().debug_dir.empty() ? "." : config().debug_dir;
+    write_file(directory + "/bins-" + std::to_string(number++) + ".pgm", "we",
+               raster::heat_map_pgm(map.columns, map.rows, map.entries));
+  }
 }
 
 VkClearValue clear_value(const cmd::BeginRenderPass& begin, uint32_t index) {
@@ -176,10 +191,10 @@ bool Executor::begin_next_view() {
 
 void Executor::run_pass() {
   const raster::PassStatistics statistics = pass_->end();
+  report_statistics(*pass_, statistics);
   pass_.reset();
   arena_.reset();
   dirty_ |= kContext;  // the last context was in the arena
-  if (debug(kDebugStats)) report_statistics(statistics);
   finish_queries(statistics);
 }
 

@@ -29,12 +29,23 @@ void Executor::execute(const cmd::BindPipeline& command) {
 }
 
 void Executor::execute(const cmd::SetViewport& command) {
-  dynamic_.viewport = command.viewport;
+  std::ranges::copy(command.viewports, dynamic_.viewports.begin() + command.first);
   dirty_ |= kPacket | kContext;  // the context holds the depth range
 }
 
 void Executor::execute(const cmd::SetScissor& command) {
-  dynamic_.scissor = command.scissor;
+  std::ranges::copy(command.scissors, dynamic_.scissors.begin() + command.first);
+  dirty_ |= kPacket;
+}
+
+void Executor::execute(const cmd::SetLineWidth& command) {
+  dynamic_.line_width = command.width;
+  dirty_ |= kPacket;
+}
+
+void Executor::execute(const cmd::SetLineStippleEXT& command) {
+  dynamic_.stipple_factor = command.factor;
+  dynamic_.stipple_pattern = command.pattern;
   dirty_ |= kPacket;
 }
 

@@ -58,6 +58,17 @@ constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT,
     .customBorderColors = VK_TRUE,
     .customBorderColorWithoutFormat = VK_TRUE};
+constexpr VkPhysicalDeviceDepthClipEnableFeaturesEXT kDepthClipEnable{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DEPTH_CLIP_ENABLE_FEATURES_EXT, .depthClipEnable = VK_TRUE};
+constexpr VkPhysicalDeviceIndexTypeUint8FeaturesEXT kIndexTypeUint8{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_INDEX_TYPE_UINT8_FEATURES_EXT, .indexTypeUint8 = VK_TRUE};
+constexpr VkPhysicalDeviceLineRasterizationFeaturesEXT kLineRasterization{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT,
+    .rectangularLines = VK_TRUE,
+    .bresenhamLines = VK_TRUE,
+    .stippledBresenhamLines = VK_TRUE};
+constexpr VkPhysicalDeviceProvokingVertexFeaturesEXT kProvokingVertex{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_FEATURES_EXT, .provokingVertexLast = VK_TRUE};
 
 constexpr VkPhysicalDevice8BitStorageFeatures k8BitStorage{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES,
                                                            .storageBuffer8BitAccess = VK_TRUE,
@@ -97,6 +108,10 @@ std::span<const FeatureRow> rows() {
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
       row(kDescriptorIndexing, kDescriptorIndexing.runtimeDescriptorArray),
+      row(kDepthClipEnable, kDepthClipEnable.depthClipEnable),
+      row(kIndexTypeUint8, kIndexTypeUint8.indexTypeUint8),
+      row(kLineRasterization, kLineRasterization.stippledSmoothLines),
+      row(kProvokingVertex, kProvokingVertex.transformFeedbackPreservesProvokingVertex),
       row(kCustomBorderColor, kCustomBorderColor.customBorderColorWithoutFormat),
       row(k8BitStorage, k8BitStorage.storagePushConstant8),
       row(kFloat16Int8, kFloat16Int8.shaderInt8),

@@ -38,6 +38,7 @@ std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::
                                               .layout = layout_.get(),
                                               .vertex_input = state_.vertex_input,
                                               .state = state_.fragment,
+                                              .draws_points = state_.draws_points(),
                                               .textures = textures,
                                               .name = name_,
                                               .store = store});

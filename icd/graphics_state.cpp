@@ -6,6 +6,7 @@
 #include "base/config.h"
 #include "base/format.h"
 #include "base/sample_locations.h"
+#include "icd/chain.h"
 #include "icd/render_pass.h"
 
 namespace pineda::icd {
@@ -37,27 +38,56 @@ VkResult translate_vertex_input(const VkPipelineVertexInputStateCreateInfo& info
 }
 
 VkResult translate_input_assembly(const VkPipelineInputAssemblyStateCreateInfo& info, GraphicsState& out) {
-  switch (info.topology) {
-    case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST:
-    case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP:
-    case VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN:
-      break;
-    default:
-      return not_supported("vkCreateGraphicsPipelines: only triangle lists, strips and fans are supported");
+  if (info.topology >= VK_PRIMITIVE_TOPOLOGY_PATCH_LIST) {
+    return not_supported("vkCreateGraphicsPipelines: patches need tessellationShader, which is not supported");
   }
   out.topology = info.topology;
   out.primitive_restart = info.primitiveRestartEnable;
   return VK_SUCCESS;
 }
 
+VkResult translate_lines(const VkPipelineRasterizationLineStateCreateInfoEXT& info, GraphicsState& out) {
+  switch (info.lineRasterizationMode) {
+    case VK_LINE_RASTERIZATION_MODE_DEFAULT_EXT:
+    case VK_LINE_RASTERIZATION_MODE_RECTANGULAR_EXT:
+      break;
+    case VK_LINE_RASTERIZATION_MODE_BRESENHAM_EXT:
+      out.line.mode = raster::LineMode::kBresenham;
+      break;
+    default:
+      return not_supported("vkCreateGraphicsPipelines: smoothLines is not supported");
+  }
+  out.line.stippled = info.stippledLineEnable;
+  if (out.line.stippled && out.line.mode != raster::LineMode::kBresenham) {
+    return not_supported("vkCreateGraphicsPipelines: stippledRectangularLines is not supported");
+  }
+  out.values.stipple_factor = info.lineStippleFactor;
+  out.values.stipple_pattern = info.lineStipplePattern;
+  return VK_SUCCESS;
+}
+
 VkResult translate_rasterization(const VkPipelineRasterizationStateCreateInfo& info, GraphicsState& out) {
   out.rasterizes = !info.rasterizerDiscardEnable;
-  if (info.polygonMode != VK_POLYGON_MODE_FILL)
-    return not_supported("vkCreateGraphicsPipelines: fillModeNonSolid is not supported");
+  if (info.polygonMode > VK_POLYGON_MODE_POINT)
+    return not_supported("vkCreateGraphicsPipelines: this polygonMode is not supported");
+  out.polygon_mode = info.polygonMode;
+  out.values.line_width = info.lineWidth;
+  if (const auto* provoking = find_in_chain<VkPipelineRasterizationProvokingVertexStateCreateInfoEXT>(
+          info.pNext, VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_PROVOKING_VERTEX_STATE_CREATE_INFO_EXT)) {
+    out.provoking_last = provoking->provokingVertexMode == VK_PROVOKING_VERTEX_MODE_LAST_VERTEX_EXT;
+  }
+  if (const auto* line = find_in_chain<VkPipelineRasterizationLineStateCreateInfoEXT>(
+          info.pNext, VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_LINE_STATE_CREATE_INFO_EXT)) {
+    if (const VkResult result = translate_lines(*line, out); result != VK_SUCCESS) return result;
+  }
   out.cull = info.cullMode;
   out.front_face = info.frontFace;
   out.fragment.depth_clamp = info.depthClampEnable;
   out.depth_clip = !info.depthClampEnable;
+  if (const auto* clip = find_in_chain<VkPipelineRasterizationDepthClipStateCreateInfoEXT>(
+          info.pNext, VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_DEPTH_CLIP_STATE_CREATE_INFO_EXT)) {
+    out.depth_clip = clip->depthClipEnable;
+  }
   out.depth_bias = info.depthBiasEnable;
   out.values.depth_bias_constant = info.depthBiasConstantFactor;
   out.values.depth_bias_clamp = info.depthBiasClamp;
@@ -66,11 +96,12 @@ VkResult translate_rasterization(const VkPipelineRasterizationStateCreateInfo& i
 }
 
 void translate_viewport(const VkPipelineViewportStateCreateInfo& info, GraphicsState& out) {
-  if (info.pViewports && info.viewportCount > 0 && !(out.dynamic_mask & dynamic_bit(VK_DYNAMIC_STATE_VIEWPORT))) {
-    out.values.viewport = info.pViewports[0];
+  out.viewport_count = std::clamp(info.viewportCount, 1u, kMaxViewports);
+  if (info.pViewports && !(out.dynamic_mask & dynamic_bit(VK_DYNAMIC_STATE_VIEWPORT))) {
+    std::copy_n(info.pViewports, std::min(info.viewportCount, kMaxViewports), out.values.viewports.begin());
   }
-  if (info.pScissors && info.scissorCount > 0 && !(out.dynamic_mask & dynamic_bit(VK_DYNAMIC_STATE_SCISSOR))) {
-    out.values.scissor = info.pScissors[0];
+  if (info.pScissors && !(out.dynamic_mask & dynamic_bit(VK_DYNAMIC_STATE_SCISSOR))) {
+    std::copy_n(info.pScissors, std::min(info.scissorCount, kMaxViewports), out.values.scissors.begin());
   }
 }
 
@@ -151,7 +182,7 @@ VkResult translate_blend(const VkPipelineColorBlendStateCreateInfo* info, const 
 
 VkResult translate_dynamic(const VkPipelineDynamicStateCreateInfo* info, GraphicsState& out) {
   for (uint32_t i = 0; info && i < info->dynamicStateCount; ++i) {
-    if (info->pDynamicStates[i] > VK_DYNAMIC_STATE_STENCIL_REFERENCE) {
+    if (dynamic_bit(info->pDynamicStates[i]) == 0) {
       return not_supported("vkCreateGraphicsPipelines: a dynamic state of an extension is not supported");
     }
     out.dynamic_mask |= dynamic_bit(info->pDynamicStates[i]);
@@ -183,8 +214,13 @@ VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, Grap
 void apply_static_state(const GraphicsState& from, DynamicState& to) {
   const auto is_static = [&](VkDynamicState state) { return !(from.dynamic_mask & dynamic_bit(state)); };
   const DynamicState& values = from.values;
-  if (is_static(VK_DYNAMIC_STATE_VIEWPORT)) to.viewport = values.viewport;
-  if (is_static(VK_DYNAMIC_STATE_SCISSOR)) to.scissor = values.scissor;
+  if (is_static(VK_DYNAMIC_STATE_VIEWPORT)) std::copy_n(values.viewports.begin(), from.viewport_count, to.viewports.begin());
+  if (is_static(VK_DYNAMIC_STATE_SCISSOR)) std::copy_n(values.scissors.begin(), from.viewport_count, to.scissors.begin());
+  if (is_static(VK_DYNAMIC_STATE_LINE_WIDTH)) to.line_width = values.line_width;
+  if (is_static(VK_DYNAMIC_STATE_LINE_STIPPLE_EXT)) {
+    to.stipple_factor = values.stipple_factor;
+    to.stipple_pattern = values.stipple_pattern;
+  }
   if (is_static(VK_DYNAMIC_STATE_DEPTH_BIAS)) {
     to.depth_bias_constant = values.depth_bias_constant;
     to.depth_bias_clamp = values.depth_bias_clamp;

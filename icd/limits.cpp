@@ -4,6 +4,7 @@
 
 #include "base/abi.h"
 #include "base/sample_locations.h"
+#include "raster/raster.h"
 
 namespace pineda::icd {
 
@@ -19,7 +20,10 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .drawIndirectFirstInstance = VK_TRUE,
     .depthClamp = VK_TRUE,
     .depthBiasClamp = VK_TRUE,
+    .fillModeNonSolid = VK_TRUE,
     .depthBounds = VK_TRUE,
+    .wideLines = VK_TRUE,
+    .largePoints = VK_TRUE,
     .alphaToOne = VK_TRUE,
     .samplerAnisotropy = VK_TRUE,       // probes along the longer axis (kernels/sample_lod.cpp)
     .textureCompressionETC2 = VK_TRUE,  // icd/decode.h
@@ -37,6 +41,8 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .shaderSampledImageArrayDynamicIndexing = VK_TRUE,  // kernels/sample_call.cpp
     .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
     .shaderStorageImageArrayDynamicIndexing = VK_TRUE,
+    .shaderClipDistance = VK_TRUE,
+    .shaderCullDistance = VK_TRUE,
     .shaderFloat64 = VK_TRUE,
     .shaderInt64 = VK_TRUE,
     .shaderInt16 = VK_TRUE,
@@ -124,12 +130,15 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxSampleMaskWords = 1,
     .timestampComputeAndGraphics = VK_TRUE,
     .timestampPeriod = 1.0f,  // CLOCK_MONOTONIC, ns
+    .maxClipDistances = kMaxClipDistances,
+    .maxCullDistances = kMaxClipDistances,
+    .maxCombinedClipAndCullDistances = kMaxClipDistances,
     .discreteQueuePriorities = 2,
-    .pointSizeRange = {1, 1},
-    .lineWidthRange = {1, 1},
-    .pointSizeGranularity = 0,
-    .lineWidthGranularity = 0,
-    .strictLines = VK_FALSE,
+    .pointSizeRange = {raster::kMinPointSize, raster::kMaxPointSize},
+    .lineWidthRange = {1, raster::kMaxLineWidth},
+    .pointSizeGranularity = 0x1p-7f,  // half of it is rounded to 1/256 px
+    .lineWidthGranularity = 0x1p-7f,
+    .strictLines = VK_TRUE,
     .standardSampleLocations = VK_TRUE,
     .optimalBufferCopyOffsetAlignment = 1,
     .optimalBufferCopyRowPitchAlignment = 1,

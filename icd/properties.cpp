@@ -92,6 +92,14 @@ void fill(VkPhysicalDeviceSamplerFilterMinmaxProperties& to) {
   to.filterMinmaxImageComponentMapping = VK_TRUE;
 }
 
+// Widths and positions are multiples of 1/256 px.
+void fill(VkPhysicalDeviceLineRasterizationPropertiesEXT& to) { to.lineSubPixelPrecisionBits = kLimits.subPixelPrecisionBits; }
+
+void fill(VkPhysicalDeviceProvokingVertexPropertiesEXT& to) {
+  to.provokingVertexModePerPipeline = VK_TRUE;
+  to.transformFeedbackPreservesTriangleFanProvokingVertex = VK_FALSE;  // no transform feedback
+}
+
 // The one table: structure type -> the function that fills it.
 struct PropertyRow {
   VkStructureType type;
@@ -116,6 +124,8 @@ constexpr PropertyRow kRows[] = {
     row<VkPhysicalDeviceDescriptorIndexingProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_PROPERTIES),
     row<VkPhysicalDeviceCustomBorderColorPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_PROPERTIES_EXT),
     row<VkPhysicalDeviceSamplerFilterMinmaxProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_FILTER_MINMAX_PROPERTIES),
+    row<VkPhysicalDeviceLineRasterizationPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_PROPERTIES_EXT),
+    row<VkPhysicalDeviceProvokingVertexPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_PROPERTIES_EXT),
     row<VkPhysicalDeviceTimelineSemaphoreProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_PROPERTIES),
 };
 

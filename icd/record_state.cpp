@@ -20,18 +20,27 @@ void api::CmdBindPipeline(VkCommandBuffer handle, VkPipelineBindPoint, VkPipelin
   });
 }
 
-// multiViewport is not supported: only viewport 0 exists.
 void api::CmdSetViewport(VkCommandBuffer handle, uint32_t first, uint32_t count, const VkViewport* viewports) {
   CommandBuffer& cb = *from(handle);
-  if (first == 0 && count > 0) cb.record([&] { cb.append(cmd::SetViewport{viewports[0]}); });
+  if (first >= kMaxViewports) return;
+  cb.record([&] { cb.append(cmd::SetViewport{first, cb.copy(viewports, std::min(count, kMaxViewports - first))}); });
 }
 
 void api::CmdSetScissor(VkCommandBuffer handle, uint32_t first, uint32_t count, const VkRect2D* scissors) {
   CommandBuffer& cb = *from(handle);
-  if (first == 0 && count > 0) cb.record([&] { cb.append(cmd::SetScissor{scissors[0]}); });
+  if (first >= kMaxViewports) return;
+  cb.record([&] { cb.append(cmd::SetScissor{first, cb.copy(scissors, std::min(count, kMaxViewports - first))}); });
 }
 
-void api::CmdSetLineWidth(VkCommandBuffer, float) {}
+void api::CmdSetLineWidth(VkCommandBuffer handle, float width) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] { cb.append(cmd::SetLineWidth{width}); });
+}
+
+void api::CmdSetLineStippleEXT(VkCommandBuffer handle, uint32_t factor, uint16_t pattern) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] { cb.append(cmd::SetLineStippleEXT{factor, pattern}); });
+}
 
 void api::CmdSetDepthBias(VkCommandBuffer handle, float constant, float clamp, float slope) {
   CommandBuffer& cb = *from(handle);

@@ -182,6 +182,8 @@ class PipelineClient : public Client {
     bool depth_clamp = false;
     float depth_bias = 0, depth_bias_clamp = 0;      // constant factor; 0: no bias
     VkCompareOp depth_compare = VK_COMPARE_OP_LESS;  // when the subpass has a depth attachment
+    VkPolygonMode polygon_mode = VK_POLYGON_MODE_FILL;
+    const void* rasterization_next = nullptr;  // pNext of the rasterization state
     uint32_t samples = 1;
     const VkStencilOpState* stencil = nullptr;  // of both faces; null: no test
   };
@@ -202,6 +204,8 @@ inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipe
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
   viewport.viewportCount = viewport.scissorCount = 1;
   VkPipelineRasterizationStateCreateInfo rasterization{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  rasterization.pNext = drawing.rasterization_next;
+  rasterization.polygonMode = drawing.polygon_mode;
   rasterization.lineWidth = 1;
   rasterization.cullMode = drawing.cull;
   rasterization.depthClampEnable = drawing.depth_clamp;

@@ -30,6 +30,8 @@ constexpr SceneInfo kScenes[] = {
        return with_samples(make_model_scene(PINEDA_ASSIMP_MODELS "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb"), 4);
      },
      nullptr},
+    {"primitives", "Primitives", "Points, lines, strips, fans, polygon modes and a clip distance", make_primitives_scene,
+     nullptr},
     {"mandelbrot", "Mandelbrot", "Compute shader into a storage buffer", make_mandelbrot_scene, nullptr},
     {"filtering", "Filtering", "A texture from magnified to its smallest level, trilinear",
      [] { return make_sampling_scene(SamplingKind::kFiltering); }, nullptr},

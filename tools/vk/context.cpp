@@ -124,9 +124,13 @@ void VkContext::create_device() {
   // What scenes use, where the driver has it.
   VkPhysicalDeviceFeatures available;
   vkGetPhysicalDeviceFeatures(physical_device_, &available);
-  const VkPhysicalDeviceFeatures features{.samplerAnisotropy = available.samplerAnisotropy,
+  const VkPhysicalDeviceFeatures features{.fillModeNonSolid = available.fillModeNonSolid,
+                                          .wideLines = available.wideLines,
+                                          .largePoints = available.largePoints,
+                                          .samplerAnisotropy = available.samplerAnisotropy,
                                           .fragmentStoresAndAtomics = available.fragmentStoresAndAtomics,
-                                          .shaderImageGatherExtended = available.shaderImageGatherExtended};
+                                          .shaderImageGatherExtended = available.shaderImageGatherExtended,
+                                          .shaderClipDistance = available.shaderClipDistance};
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue_info,

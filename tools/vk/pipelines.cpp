@@ -123,7 +123,7 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
       .vertexAttributeDescriptionCount = static_cast<uint32_t>(desc.vertex_attributes.size()),
       .pVertexAttributeDescriptions = desc.vertex_attributes.data()};
   const VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-                                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+                                                        .topology = desc.topology};
   const VkExtent2D extent = target.extent();
   const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
   const VkRect2D scissor{{0, 0}, extent};
@@ -133,10 +133,10 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
                                                          .scissorCount = 1,
                                                          .pScissors = &scissor};
   const VkPipelineRasterizationStateCreateInfo rasterization{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                             .polygonMode = VK_POLYGON_MODE_FILL,
+                                                             .polygonMode = desc.polygon_mode,
                                                              .cullMode = desc.cull_mode,
                                                              .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-                                                             .lineWidth = 1.0f};
+                                                             .lineWidth = desc.line_width};
   const VkPipelineMultisampleStateCreateInfo multisample{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
                                                          .rasterizationSamples = target.samples()};
   const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
