@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -62,7 +63,8 @@ class LitMeshScene final : public RenderScene {
     for (const Vertex& vertex : vertices) positions.push_back(vertex.position);
     const auto [width, height] = target.extent();
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const Camera camera = fit_camera(positions, glm::normalize(glm::vec3(-0.3f, -0.8f, -0.7f)), aspect, 0.4f, 0.95f);
+    Camera camera = fit_camera(positions, glm::normalize(glm::vec3(-0.3f, -0.8f, -0.7f)), aspect, 0.4f, 0.95f);
+    camera.view_projection = glm::translate(glm::mat4(1), glm::vec3(options_.shift_x, 0, 0)) * camera.view_projection;
     view_ = create_buffer(context, std::span(&camera.view_projection, 1), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_VERTEX_BIT};
     set_layout_ = create_set_layout(context, {&binding, 1});
@@ -80,6 +82,7 @@ class LitMeshScene final : public RenderScene {
                                                                 {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, normal)}},
                                           .depth_test = true,
                                           .depth_write = true,
+                                          .cull_mode = options_.culled ? VK_CULL_MODE_FRONT_AND_BACK : VK_CULL_MODE_NONE,
                                           .layout = layout_});
   }
 

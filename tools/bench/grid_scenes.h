@@ -11,6 +11,8 @@ struct LitMeshOptions {
   uint32_t columns = 32, rows = 16;  // of quads, two triangles each
   bool depth_only = false;
   uint32_t draw_count = 1;  // drawn in this many equal parts
+  float shift_x = 0;        // in half widths of the picture
+  bool culled = false;      // both faces
 };
 
 std::unique_ptr<Scene> make_lit_mesh_scene(const LitMeshOptions& options);
