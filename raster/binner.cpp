@@ -33,7 +33,7 @@ TileCover tile_cover(const TileGrid& grid, const Triangle& triangle, int32_t x_p
 
 }  // namespace
 
-void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds) {
+void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds, const Rect& rect) {
   const uint32_t shift = grid_->shift;
   const uint32_t x0 = static_cast<uint32_t>(bounds.x0) >> shift, x1 = static_cast<uint32_t>(bounds.x1 - 1) >> shift;
   const uint32_t y0 = static_cast<uint32_t>(bounds.y0) >> shift, y1 = static_cast<uint32_t>(bounds.y1 - 1) >> shift;
@@ -46,7 +46,7 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
       const TileCover cover = tile_cover(*grid_, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
       if (cover == TileCover::kNone) continue;
       const uint32_t tile = y * grid_->columns + x;
-      push(draw, tile, index, cover == TileCover::kFull && draw.rect.contains(grid_->rect(tile)));
+      push(draw, tile, index, cover == TileCover::kFull && rect.contains(grid_->rect(tile)));
     }
   }
 }

@@ -27,8 +27,8 @@ struct TileGrid {
 class Binner {
  public:
   void begin(const TileGrid& grid);
-  // Bins a triangle whose covered pixels lie in `bounds` (not empty, inside the draw's rectangle).
-  void add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds);
+  // Bins a triangle whose covered pixels lie in `bounds` (not empty, inside the rectangle that its viewport may draw).
+  void add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds, const Rect& rect);
   // Bins a rectangle (a clear).
   void add_rect(const Draw& draw, uint32_t index, const Rect& bounds);
   // Writes the chunk's entries and segments; ready for the next chunk.

@@ -1,5 +1,6 @@
 #include "raster/geometry.h"
 
+#include <bit>
 #include <cmath>
 
 #include "raster/assemble.h"
@@ -8,6 +9,8 @@
 
 namespace pineda::raster {
 namespace {
+
+constexpr uint32_t kAllPlanes = 0xFFFF & ~kClipDrop;
 
 // Clip codes that cut nothing.
 uint32_t cull_distance_codes(const VertexOutputs& outputs) {
@@ -61,7 +64,7 @@ inline void GeometryWorker::emit(const Draw& draw, const BatchView& view, uint32
   t.batch = view.batch;
   t.set_flags(provoking, front, clockwise, Shape::kTriangle);
   if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
-  binner_.add(draw, t, index, bounds);
+  binner_.add(draw, t, index, bounds, draw.rect_at(view.viewport));
 }
 
 void GeometryWorker::bin(const Draw& draw, const BatchView& view, const Triangle& record) {
@@ -72,7 +75,7 @@ void GeometryWorker::bin(const Draw& draw, const BatchView& view, const Triangle
   }
   const auto index = static_cast<uint32_t>(chunk_->triangles.size());
   chunk_->triangles.push_back(record);
-  binner_.add(draw, record, index, bounds);
+  binner_.add(draw, record, index, bounds, draw.rect_at(view.viewport));
 }
 
 void GeometryWorker::setup_outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, std::span<const uint16_t> v,
@@ -160,7 +163,6 @@ void GeometryWorker::clip(const Draw& draw, uint32_t viewport, uint32_t primitiv
     count = clipper_.clip_triangle(draw, draw.viewport_at(viewport), codes, vertex.data());
     if (draw.kind == PrimitiveKind::kPoint) count = std::min(count, 1u);
   }
-  ++statistics.triangles_clipped;
   if (count == 0) {
     ++statistics.triangles_culled;
     return;
@@ -238,6 +240,14 @@ void GeometryWorker::outline(const Draw& draw, const BatchView& view, uint32_t p
   }
 }
 
+// An index that no viewport has is the first's.
+inline uint32_t GeometryWorker::viewport_of(const Draw& draw, const BatchView& view, uint32_t provoking) {
+  if (draw.viewports.empty()) [[likely]]
+    return 0;
+  const auto index = std::bit_cast<uint32_t>(view.vertex(provoking)[draw.packet.outputs.viewport_index * kLanes]);
+  return index < draw.viewports.size() ? index : 0;
+}
+
 // Filled triangles, 16 at a time. `first`: number of the first in its instance.
 void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
   const DrawPacket& packet = draw.packet;
@@ -249,7 +259,7 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
   SmallSetup& group = small_group_;
   for (uint32_t base = 0; base < count; base += kLanes) {
     const uint32_t n = std::min(kLanes, count - base);
-    uint32_t inside = 0, clipped = 0;
+    uint32_t inside = 0, clipped = 0, elsewhere = 0;  // elsewhere: to another viewport than the first
     for (uint32_t i = 0; i < n; ++i) {
       const std::array<uint16_t, 3>& v = batch_.prim(base + i);
       const uint32_t any = w.code[v[0]] | w.code[v[1]] | w.code[v[2]];
@@ -257,14 +267,16 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
         group.x_fx8[k][i] = w.x_fx8[v[k]];
         group.y_fx8[k][i] = w.y_fx8[v[k]];
       }
-      if (any == 0) [[likely]] {
+      if (viewport_of(draw, view, v[0]) != 0) [[unlikely]] {
+        if ((w.code[v[0]] & w.code[v[1]] & w.code[v[2]] & cull_codes) == 0) elsewhere |= 1u << i;
+      } else if (any == 0) [[likely]] {
         inside |= 1u << i;
       } else if ((any & kClipDrop) == 0 && (w.code[v[0]] & w.code[v[1]] & w.code[v[2]]) == 0) {
         ((any & ~cull_codes) == 0 ? inside : clipped) |= 1u << i;
       }
     }
     small_setup_(state, group);
-    uint32_t left = (inside & (group.drawn | ~group.small)) | clipped;
+    uint32_t left = (inside & (group.drawn | ~group.small)) | clipped | elsewhere;
     const auto bits = [](uint32_t mask) { return static_cast<uint32_t>(__builtin_popcount(mask)); };
     statistics.triangles_culled += n - bits(left);
     statistics.culled_facing += bits(inside & group.averted);
@@ -274,7 +286,10 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
       const uint64_t number = first + base + i;
       const auto id = static_cast<uint32_t>(number < draw.prims_per_instance ? number : number % draw.prims_per_instance);
       const std::array<uint16_t, 3>& v = batch_.prim(base + i);
-      if (clipped >> i & 1) {
+      if (elsewhere >> i & 1) [[unlikely]] {
+        clip(draw, viewport_of(draw, view, v[0]), id, kAllPlanes, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
+      } else if (clipped >> i & 1) {
+        ++statistics.triangles_clipped;
         clip(draw, 0, id, w.code[v[0]] | w.code[v[1]] | w.code[v[2]], {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
       } else if (group.small >> i & 1) {
         emit(draw, view, id, v, v[0], (group.clockwise >> i & 1) != 0, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]});
@@ -299,11 +314,17 @@ void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint6
     std::array<uint16_t, 3> v = batch_.prim(i);
     for (uint32_t k = vertex_count; k < 3; ++k) v[k] = v[0];
     const uint32_t any = code[v[0]] | code[v[1]] | code[v[2]];
-    if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
+    const uint32_t viewport = viewport_of(draw, view, v[draw.kind == PrimitiveKind::kLine && draw.packet.provoking_last ? 1 : 0]);
+    if (viewport != 0) {
+      if ((code[v[0]] & code[v[1]] & code[v[2]] & cull_codes) == 0) {
+        clip(draw, viewport, primitive_id, kAllPlanes, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
+      }
+    } else if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
       ++statistics.triangles_culled;
     } else if ((any & ~cull_codes) == 0) {
       outline(draw, view, primitive_id, v);
     } else {
+      ++statistics.triangles_clipped;
       clip(draw, 0, primitive_id, any, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
     }
   }

@@ -42,6 +42,8 @@ class GeometryWorker {
     float depth_bias;
   };
 
+  // Of a primitive, from its provoking vertex.
+  static uint32_t viewport_of(const Draw& draw, const BatchView& view, uint32_t provoking);
   void run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
   void run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
   void outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);

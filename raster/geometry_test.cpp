@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cfloat>
 #include <limits>
 
@@ -258,6 +259,35 @@ TEST(Setup, DepthBiasMovesDepth) {
   EXPECT_NEAR(depth_at_center(0, 2, 0.01f), base + 0.01f, 1e-7);
   EXPECT_NEAR(depth_at_center(0, -2, -0.01f), base - 0.01f, 1e-7);
   EXPECT_NEAR(depth_at_center(0x1p20f, 0, 0), base + 0x1p-4f, 1e-7);
+}
+
+// Each primitive goes to the viewport that its provoking vertex names, under that viewport's scissor; indices that there are not
+// mean the first. Depth ranges, Hi-Z and clipping are the viewport's own.
+TEST(Setup, PrimitivesChooseTheirViewport) {
+  TestDraw draw(
+      5, [](const KernelHandle*, const void*, void* thread, const PrimRecord* prims, uint32_t count, const void* waves) {
+        for_fragments(thread, prims, count, waves,
+                      [](const FragmentPrim& p, uint32_t* color, float*, uint32_t, uint32_t) { *color += 1 + p.viewport_index; });
+      });
+  ViewportArray viewports{.count = 3};
+  viewports.viewport = {VkViewport{0, 0, 64, 64, 0, 1}, VkViewport{0, 0, 32, 32, 0, 1}, VkViewport{32, 32, 32, 32, 1, 0}};
+  viewports.scissor = {VkRect2D{{0, 0}, {64, 8}}, VkRect2D{{0, 0}, {64, 64}}, VkRect2D{{40, 0}, {64, 64}}};
+  draw.packet_base.viewports = &viewports;
+  draw.packet_base.viewport = viewports.viewport[0];
+  draw.packet_base.scissor = viewports.scissor[0];
+  draw.packet_base.outputs.viewport_index = 4;
+  for (const uint32_t index : {0u, 1u, 2u, 77u}) {  // a triangle over the whole viewport and beyond
+    for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {3.0f, -1.0f}, {-1.0f, 3.0f}}) {
+      draw.add({x, y, 0.5f, 1, std::bit_cast<float>(index)});
+    }
+  }
+  const Target target = draw_once(draw, 64, nullptr, 16);
+  for (uint32_t y = 0; y < 64; ++y) {
+    for (uint32_t x = 0; x < 64; ++x) {
+      const uint32_t expected = (y < 8 ? 2 : 0) + (x < 32 && y < 32 ? 2 : 0) + (x >= 40 && y >= 32 ? 3 : 0);
+      ASSERT_EQ(target.at(x, y), expected) << x << ' ' << y;
+    }
+  }
 }
 
 // ---- clipping -------------------------------------------------------------------------------------------------------------

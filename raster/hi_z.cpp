@@ -83,6 +83,10 @@ inline float ceiling(const SignedDepth& d, const VkViewport& v) {
   return d.sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
 }
 
+const VkViewport& viewport_of(const FragmentPrim& prim, const Draw& draw) {
+  return prim.viewport_index == 0 ? draw.packet.viewport : draw.packet.viewports->viewport[prim.viewport_index];
+}
+
 }  // namespace
 
 TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
@@ -95,13 +99,13 @@ TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const T
   if (draw.samples > 1) depth.at_origin -= 0.5f * (std::fabs(zx) + std::fabs(zy));
   depth.dx_block = zx * kBlockDim;
   depth.dy_block = zy * kBlockDim;
-  depth.ceiling = ceiling(d, draw.packet.viewport);
+  depth.ceiling = ceiling(d, viewport_of(prim, draw));
   return depth;
 }
 
 float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
   const SignedDepth d = signed_depth(prim, draw, tile);
-  const float z = least(d), limit = ceiling(d, draw.packet.viewport);
+  const float z = least(d), limit = ceiling(d, viewport_of(prim, draw));
   return z > limit ? limit : z;  // a NaN stays and hides nothing
 }
 

@@ -123,7 +123,9 @@ void Pass::State::record(const DrawPacket& packet) {
     const uint64_t in_buffer = packet.index.size_bytes / index_bytes;
     vertices = std::min<uint64_t>(vertices, (in_buffer > packet.first ? in_buffer - packet.first : 0) + topology.vertices);
   }
-  if (vertices < topology.vertices || packet.instance_count == 0 || (rect.empty() && !packet.has_side_effects)) return;
+  if (vertices < topology.vertices || packet.instance_count == 0 ||
+      (rect.empty() && !packet.viewports && !packet.has_side_effects))
+    return;
   Draw& draw = workspace->draws.append();
   draw.packet = packet;
   draw.packet.count = static_cast<uint32_t>(vertices);
@@ -138,6 +140,12 @@ void Pass::State::record(const DrawPacket& packet) {
   }
   draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clip);
   draw.rect = rect;
+  if (packet.viewports && packet.outputs.viewport_index != 0) {
+    for (uint32_t i = 0; i < std::min(packet.viewports->count, kMaxViewports); ++i) {
+      draw.viewports.push_back(make_viewport_transform(packet.viewports->viewport[i], packet.depth_clip));
+      draw.rects.push_back(intersect(to_rect(packet.viewports->scissor[i]), scene.grid.area));
+    }
+  }
   const bool has_depth = scene.depth().address != nullptr, tests_depth = packet.depth_test && has_depth;
   const bool tests_stencil = packet.stencil_test && scene.stencil().address;
   draw.depth_format = scene.depth().format;

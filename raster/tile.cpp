@@ -131,9 +131,9 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
       if (i % kLanes == 0 && scene.samples() == 1) prepare_group(i);
       const Item& item = items_[i];
       const Batch& batch = item.batches[item.triangle->batch];
-      if (batch.draw != draw_) {
+      if (batch.draw != draw_ || batch.viewport != viewport_) {
         flush();
-        begin_draw(*batch.draw);
+        begin_draw(*batch.draw, batch.viewport);
       }
       if (batch.draw->is_clear) [[unlikely]] {
         clear_rect(scene, *batch.draw, *item.triangle);
@@ -157,11 +157,13 @@ void TileWorker::prepare_group(uint32_t first) {
   coverage_->cover_small(triangles, position_.x_px, position_.y_px, position_.size_px, group_);
 }
 
-void TileWorker::begin_draw(const Draw& draw) {
+void TileWorker::begin_draw(const Draw& draw, uint32_t viewport) {
   draw_ = &draw;
+  viewport_ = viewport;
   const Rect tile{position_.x_px, position_.y_px, position_.x_px + position_.size_px, position_.y_px + position_.size_px};
-  draw_rect_full_ = draw.rect.contains(tile);
-  const Rect r = intersect(draw.rect, tile);
+  const Rect& rect = draw.rect_at(viewport);
+  draw_rect_full_ = rect.contains(tile);
+  const Rect r = intersect(rect, tile);
   draw_rect_ = {r.x0 - tile.x0, r.y0 - tile.y0, r.x1 - tile.x0, r.y1 - tile.y0};
   if (hi_z_on_) hi_z_.begin_draw(draw);
   wave_limit_ = hi_z_on_ && draw.hi_z != HiZMode::kNone && draw.writes_depth ? kEagerWaves : kMaxWaves;

@@ -37,7 +37,7 @@ class TileWorker {
   void count_bytes(const Scene& scene, const TileState& state);
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
-  void begin_draw(const Draw& draw);
+  void begin_draw(const Draw& draw, uint32_t viewport);
   void prepare_group(uint32_t first);
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   bool wants_hi_z(uint32_t count);
@@ -73,6 +73,7 @@ class TileWorker {
   uint32_t hi_z_skipped_ = 0;
   // the draw whose waves are queued
   const Draw* draw_ = nullptr;
+  uint32_t viewport_ = 0;
   Rect draw_rect_;              // in tile coordinates
   bool draw_rect_full_ = true;  // it contains the whole tile
   uint32_t wave_limit_ = kMaxWaves;
