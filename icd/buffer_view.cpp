@@ -32,7 +32,6 @@ BufferView::BufferView(const Allocator& from_allocator, Device& device, const Vk
   descriptor_.width = static_cast<uint32_t>(texels);
   descriptor_.height = descriptor_.depth = descriptor_.level_count = descriptor_.layer_count = 1;
   descriptor_.format = static_cast<uint32_t>(info.format);
-  descriptor_.format = static_cast<uint32_t>(info.format);
   compiler::TextureState state;
   state.format = info.format;
   state.view_type = VK_IMAGE_VIEW_TYPE_1D;
