@@ -21,8 +21,8 @@ library=$(sed -n 's/.*"library_path": "\([^"]*\)".*/\1/p' "$manifest")
 [ -f "$root$library" ] || { echo "the manifest names $library, which is not in the package"; exit 1; }
 # The manifest is right for /; for this root its path is prefixed.
 sed "s|$library|$root$library|" "$manifest" >"$work/icd.json"
-installed=$(PINEDA_CACHE=off "$build/pineda" render triangle --driver "$work/icd.json" --hash --out "$work/a.png")
-built=$(PINEDA_CACHE=off "$build/pineda" render triangle --driver "$build/pineda_icd.json" --hash --out "$work/b.png")
+installed=$(PINEDA_CACHE=off "$build/pineda" render triangle --driver "installed=$work/icd.json" --hash --out "$work/a.png")
+built=$(PINEDA_CACHE=off "$build/pineda" render triangle --driver "built=$build/pineda_icd.json" --hash --out "$work/b.png")
 cmp "$work/a.png" "$work/b.png" || { echo "installed: $installed"; echo "built: $built"; exit 1; }
 
 run_dpkg -r pineda-vulkan-driver

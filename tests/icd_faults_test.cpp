@@ -106,7 +106,7 @@ TEST(IcdFaults, ShadersThatNeverEndLoseTheDevice) {
         tests::run_process(std::string("PINEDA_TIMEOUT=1 ") + environment + " timeout 20 " + self +
                            " --gtest_also_run_disabled_tests --gtest_filter=IcdFaultsChild.*");
     EXPECT_EQ(result.exit_status, 0) << environment << "\n" << result.output;
-    EXPECT_NE(result.output.find("2 tests ran"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("2 tests from 1 test suite ran"), std::string::npos) << result.output;
   }
 }
 
