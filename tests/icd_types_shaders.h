@@ -136,7 +136,7 @@ inline constexpr uint32_t kVariablePointers[] = {
 //     0.0, 1.0); h = f16vec2(10 * gl_DrawIDARB + 5, gl_BaseInstanceARB); s = i16vec2(-gl_BaseVertexARB, 3); d = dvec3(0.0,
 //     gl_DrawIDARB, 1e300);
 //   }
-inline constexpr uint32_t kDrawParametersVertex[] = {
+inline constexpr uint32_t kNarrowVaryingsVertex[] = {
     0x07230203, 0x00010300, 0x0008000b, 0x00000051, 0x00000000, 0x00020011, 0x00000001, 0x00020011, 0x00000009, 0x00020011,
     0x0000000a, 0x00020011, 0x00000016, 0x00020011, 0x0000114b, 0x00020011, 0x00001154, 0x0006000b, 0x00000001, 0x4c534c47,
     0x6474732e, 0x3035342e, 0x00000000, 0x0003000e, 0x00000000, 0x00000001, 0x000d000f, 0x00000000, 0x00000004, 0x6e69616d,
@@ -188,7 +188,7 @@ inline constexpr uint32_t kDrawParametersVertex[] = {
 //   layout(location = 2) flat in dvec3 d;
 //   layout(location = 0) out f16vec4 color;
 //   void main() { color = f16vec4(vec4(h, float(-s.x) + 0.1 * float(s.y), float(d.z * d.y / 1e298)) / 255.0); }
-inline constexpr uint32_t kDrawParametersFragment[] = {
+inline constexpr uint32_t kNarrowVaryingsFragment[] = {
     0x07230203, 0x00010300, 0x0008000b, 0x0000003d, 0x00000000, 0x00020011, 0x00000001, 0x00020011, 0x0000000a, 0x00020011,
     0x00000016, 0x00020011, 0x00001154, 0x0006000b, 0x00000001, 0x4c534c47, 0x6474732e, 0x3035342e, 0x00000000, 0x0003000e,
     0x00000000, 0x00000001, 0x0009000f, 0x00000004, 0x00000004, 0x6e69616d, 0x00000000, 0x00000009, 0x0000000c, 0x00000014,

@@ -153,8 +153,8 @@ TEST(IcdTypes, DrawParametersAndNarrowVaryings) {
   VkPipeline pipeline = VK_NULL_HANDLE;
   ASSERT_EQ(client.graphics_pipeline({.layout = client.pipeline_layout(std::nullopt, 0),
                                       .pass = pass,
-                                      .vertex = client.module(kDrawParametersVertex),
-                                      .fragment = client.module(kDrawParametersFragment)},
+                                      .vertex = client.module(kNarrowVaryingsVertex),
+                                      .fragment = client.module(kNarrowVaryingsFragment)},
                                      &pipeline),
             VK_SUCCESS);
   const auto pixels = client.buffer(kSize * kSize * 4), vertices = client.buffer(256), indirect = client.buffer(64);

@@ -234,7 +234,8 @@ Outcome compare(const Prepared& prepared, uint64_t seed, uint32_t rounds) {
     *expected = *memory;
     for (size_t i = 0; i < codes.size(); ++i) {
       reset(round);
-      codes[i]->code.fn(nullptr, &memory->table, &thread, &prim, 1, &memory->wave);
+      const KernelHandle handle{codes[i]->code.fn, nullptr};
+      handle(&memory->table, &thread, &prim, 1, &memory->wave);
       if (const Difference d = first_difference(*expected, *memory); d.where) {
         return {Outcome::Kind::kDiffered, "instruction set " + std::to_string(i) + ", round " + std::to_string(round) +
                                               ": first in " + d.where + ", byte " + std::to_string(d.byte)};

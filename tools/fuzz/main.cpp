@@ -101,7 +101,8 @@ std::string check_kernel(const jit::Api& api, uint64_t seed) {
     if (!jit::isa_supported(isa)) continue;
     const jit::Code code = api.compile(kernel, {.isa = isa});
     if (!code.error.empty()) return std::string(jit::isa_name(isa)) + ": " + code.error;
-    const auto got = program.run([&](auto... args) { code.fn(nullptr, args...); });
+    const KernelHandle handle{code.fn, nullptr};
+    const auto got = program.run([&](auto... args) { handle(args...); });
     api.release(code.owner);
     if (got != expected) return std::string(jit::isa_name(isa)) + " differs from the evaluator";
   }
