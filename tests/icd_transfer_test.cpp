@@ -304,7 +304,7 @@ TEST(IcdImage, WhatIsNotAdvertisedIsNotCreated) {
   info.extent = {16, 16, 1};
   info.mipLevels = info.arrayLayers = 1;
   info.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
-  info.samples = VK_SAMPLE_COUNT_4_BIT;
+  info.samples = VK_SAMPLE_COUNT_64_BIT;
   VkImage image;
   EXPECT_NE(VK(client, CreateImage)(client.device, &info, nullptr, &image), VK_SUCCESS);
   info.samples = VK_SAMPLE_COUNT_1_BIT;
