@@ -186,6 +186,12 @@ void run(Device& device, const FormatInfo& info, const Equation& equation) {
 
   Colour constants;
   std::ranges::copy(kConstants, constants.begin());
+  // "the components of the source and destination values and blend factors are each clamped" for fixed-point attachments
+  const Channel& channel = info.channels.front();
+  const auto factor = [&](const Factor& f, size_t c, const Colour& s, const Colour& s1, const Colour& d) {
+    const double value = factor_value(f.value, c, s, s1, d, constants);
+    return channel.numeric == Numeric::kSfloat || channel.numeric == Numeric::kUfloat ? value : clamp_to(channel, value);
+  };
   for (uint32_t i = 0; i < kSize * kSize; ++i) {
     const Colour s = source_colour(i % kSize, i / kSize), s1 = second_colour(i % kSize, i / kSize);
     const Colour d = decode(info, destination.data() + i * info.bytes);
@@ -193,8 +199,8 @@ void run(Device& device, const FormatInfo& info, const Equation& equation) {
     for (size_t c = 0; c < 4; ++c) {
       const Factor& fs = c == 3 ? equation.source_alpha : equation.source;
       const Factor& fd = c == 3 ? equation.destination_alpha : equation.destination;
-      want[c] = blend((c == 3 ? equation.operation_alpha : equation.operation).value, s[c],
-                      factor_value(fs.value, c, s, s1, d, constants), d[c], factor_value(fd.value, c, s, s1, d, constants));
+      want[c] = blend((c == 3 ? equation.operation_alpha : equation.operation).value, s[c], factor(fs, c, s, s1, d), d[c],
+                      factor(fd, c, s, s1, d));
     }
     // One step for the conversion, one for computing at no more than the destination's precision.
     expect_colour(info, result.data() + i * info.bytes, want, 2, fmt::format("pixel {}, {}", i % kSize, i / kSize), 2);
