@@ -75,6 +75,9 @@ class OitScene final : public Scene {
                                        .vertex_attributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, position)},
                                                              {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(Vertex, colour)},
                                                              {2, 0, VK_FORMAT_R32_UINT, offsetof(Vertex, card)}},
+                                       // Nothing is written, so nothing is blended; but lavapipe would take the cards for opaque
+                                       // and drop the stores of those under them (docs/differences.md).
+                                       .alpha_blend = true,
                                        .layout = layout_});
     blend_ = create_graphics_pipeline(context, *target_,
                                       {.vertex_shader = backdrop_vert,
