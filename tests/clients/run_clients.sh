@@ -46,7 +46,7 @@ row() {
 }
 # verdict LOG STATUS PATTERN: works when the status is 0 (or the time-out's 124) and the log holds the pattern.
 verdict() {
-  if { [ "$2" = 0 ] || [ "$2" = 124 ]; } && grep -qE "$3" "$1" && ! grep -qE 'pineda: error|DEVICE_LOST' "$1"; then
+  if { [ "$2" = 0 ] || [ "$2" = 124 ]; } && { [ -z "$3" ] || grep -qE "$3" "$1"; } && ! grep -qE 'pineda: error|DEVICE_LOST' "$1"; then
     echo works
   else
     echo "fails: $(grep -m1 -iE 'pineda: error|error|fail|assert|not supported|required' "$1" | tr '|\n' '/ ' | cut -c1-160)"
