@@ -135,6 +135,9 @@ struct ViewportTransform {
   bool clip_depth;  // 0 <= z <= w
 };
 ViewportTransform make_viewport_transform(const VkViewport& viewport, bool clip_depth);
+// Pixels whose centre is in the viewport: what clipping to the sides of the view volume leaves of a polygon or a line, which the
+// guard band lets reach further.
+Rect viewport_rect(const VkViewport& viewport);
 
 // How a draw's depth test bounds what it can pass.
 enum class HiZMode : uint8_t { kNone, kLess, kGreater };

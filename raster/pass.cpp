@@ -114,7 +114,14 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
 
 void Pass::State::record(const DrawPacket& packet) {
   const TopologyInfo& topology = *find_topology(packet.topology);
-  const Rect rect = intersect(to_rect(packet.scissor), scene.grid.area);
+  // Points are discarded by their centre and not cut.
+  const bool points = topology.kind == PrimitiveKind::kPoint ||
+                      (topology.kind == PrimitiveKind::kTriangle && packet.polygon_mode == VK_POLYGON_MODE_POINT);
+  const auto drawable = [&](const VkViewport& viewport, const VkRect2D& scissor) {
+    const Rect r = intersect(to_rect(scissor), scene.grid.area);
+    return points ? r : intersect(r, viewport_rect(viewport));
+  };
+  const Rect rect = drawable(packet.viewport, packet.scissor);
   uint64_t vertices = packet.count;
   if (packet.index.address) {  // of the primitives whose indices are all past the buffer's end one is as good as all
     const uint64_t index_bytes = packet.index.type == VK_INDEX_TYPE_UINT32   ? 4
@@ -143,7 +150,7 @@ void Pass::State::record(const DrawPacket& packet) {
   if (packet.viewports && packet.outputs.viewport_index != 0) {
     for (uint32_t i = 0; i < std::min(packet.viewports->count, kMaxViewports); ++i) {
       draw.viewports.push_back(make_viewport_transform(packet.viewports->viewport[i], packet.depth_clip));
-      draw.rects.push_back(intersect(to_rect(packet.viewports->scissor[i]), scene.grid.area));
+      draw.rects.push_back(drawable(packet.viewports->viewport[i], packet.viewports->scissor[i]));
     }
   }
   const bool has_depth = scene.depth().address != nullptr, tests_depth = packet.depth_test && has_depth;

@@ -16,7 +16,19 @@ void guard_band(float half_px, float center_px, float& min_ndc, float& max_ndc) 
   max_ndc = std::clamp(std::max(a, b), -kFar, kFar);
 }
 
+// The first pixel whose centre is at or behind a window coordinate.
+int32_t first_pixel(double v) {
+  constexpr double kFar = 1 << 20;  // larger than any framebuffer
+  return static_cast<int32_t>(std::ceil(v - 0.5 > -kFar ? std::min(v - 0.5, kFar) : -kFar));
+}
+
 }  // namespace
+
+Rect viewport_rect(const VkViewport& v) {
+  const double x0 = v.x, x1 = x0 + v.width, y0 = v.y, y1 = y0 + v.height;
+  return {first_pixel(std::min(x0, x1)), first_pixel(std::min(y0, y1)), first_pixel(std::max(x0, x1)),
+          first_pixel(std::max(y0, y1))};
+}
 
 ViewportTransform make_viewport_transform(const VkViewport& viewport, bool clip_depth) {
   ViewportTransform t{};

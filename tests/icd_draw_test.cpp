@@ -493,7 +493,7 @@ TEST(IcdDraw, UnsupportedTopologyIsRefused) {
                                         .pass = pass,
                                         .vertex = f.client.module(kColorVertex),
                                         .fragment = f.client.module(kColorFragment),
-                                        .topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST},
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_PATCH_LIST},
                                        &pipeline),
             VK_ERROR_FEATURE_NOT_PRESENT);
   EXPECT_EQ(pipeline, VkPipeline(VK_NULL_HANDLE));
