@@ -9,5 +9,6 @@ void register_pipeline_blend();
 void register_pipeline_depth_stencil();
 void register_pipeline_logic_op();
 void register_pipeline_vertex_input();
+void register_texture();
 
 }  // namespace pineda::cts

@@ -69,6 +69,7 @@ std::vector<Words4> evaluate(Device& device, VkShaderStageFlagBits stage, const 
   const Buffer input = create_buffer(device, kMaxInputs * sizeof(Arguments));
   std::memcpy(input.mapped, inputs.data(), inputs.size() * sizeof(Arguments));
   Resources resources;
+  resources.descriptors = snippet.descriptors;
   resources.descriptors.push_back(uniform_buffer(0, input));
   if (stage == VK_SHADER_STAGE_COMPUTE_BIT) return evaluate_compute(device, snippet, std::move(resources), inputs.size());
   return evaluate_graphics(device, stage, snippet, std::move(resources), inputs.size());

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cts-subset/harness/device.h"
+#include "cts-subset/harness/pipelines.h"
 
 namespace pineda::cts {
 
@@ -19,6 +19,7 @@ struct Snippet {
   std::string functions;  // at global scope, extensions included
   std::string body;       // reads uvec4 a, b, c; writes uvec4 r
   int spirv_minor = 0;
+  std::vector<Descriptor> descriptors;  // at bindings from 2 on
 };
 
 // One result for each of up to 256 inputs. The vertex stage hands its result to the fragment stage as a flat varying.
