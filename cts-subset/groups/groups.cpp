@@ -12,6 +12,8 @@ void register_all_groups() {
   register_pipeline_logic_op();
   register_pipeline_vertex_input();
   register_texture();
+  register_rasterization();
+  register_draw();
 }
 
 }  // namespace pineda::cts

@@ -10,5 +10,7 @@ void register_pipeline_depth_stencil();
 void register_pipeline_logic_op();
 void register_pipeline_vertex_input();
 void register_texture();
+void register_rasterization();
+void register_draw();
 
 }  // namespace pineda::cts
