@@ -14,6 +14,7 @@ void register_all_groups() {
   register_texture();
   register_rasterization();
   register_draw();
+  register_queries();
 }
 
 }  // namespace pineda::cts

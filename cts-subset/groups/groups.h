@@ -12,5 +12,6 @@ void register_pipeline_vertex_input();
 void register_texture();
 void register_rasterization();
 void register_draw();
+void register_queries();
 
 }  // namespace pineda::cts
