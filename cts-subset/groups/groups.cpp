@@ -15,6 +15,8 @@ void register_all_groups() {
   register_rasterization();
   register_draw();
   register_queries();
+  register_block_layout();
+  register_subgroups();
 }
 
 }  // namespace pineda::cts

@@ -13,5 +13,7 @@ void register_texture();
 void register_rasterization();
 void register_draw();
 void register_queries();
+void register_block_layout();
+void register_subgroups();
 
 }  // namespace pineda::cts
