@@ -17,6 +17,7 @@ void register_all_groups() {
   register_queries();
   register_block_layout();
   register_subgroups();
+  register_multisample();
 }
 
 }  // namespace pineda::cts

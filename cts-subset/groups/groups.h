@@ -15,5 +15,6 @@ void register_draw();
 void register_queries();
 void register_block_layout();
 void register_subgroups();
+void register_multisample();
 
 }  // namespace pineda::cts
