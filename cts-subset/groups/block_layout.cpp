@@ -23,8 +23,8 @@ struct Member {
   Base base = Base::kFloat;
   uint32_t rows = 1, columns = 1;  // columns > 1: a matrix
   bool row_major = false;
-  uint32_t array = 0;              // elements; 0: not an array
-  std::vector<Member> fields;      // of a structure
+  uint32_t array = 0;          // elements; 0: not an array
+  std::vector<Member> fields;  // of a structure
   std::string struct_name;
 };
 
@@ -187,7 +187,9 @@ void run(Device& device, const LayoutCase& c, const std::string& name) {
   collect(rules, block, "", 0, leaves);
   const uint32_t size = round_up(rules.element(block).size, 16) + 16;
   std::string structs, members;
-  for (const Member& field : block.fields) declare_structs(field, structs), members += (field.row_major ? "  layout(row_major)" : "  layout(column_major)") + declaration(field);
+  for (const Member& field : block.fields)
+    declare_structs(field, structs),
+        members += (field.row_major ? "  layout(row_major)" : "  layout(column_major)") + declaration(field);
 
   Buffer content = create_buffer(device, size, kAnyBuffer, 0xA5), out = create_buffer(device, size, kAnyBuffer, 0xA5);
   for (size_t i = 0; i < leaves.size(); ++i) {
@@ -199,8 +201,8 @@ void run(Device& device, const LayoutCase& c, const std::string& name) {
   std::string body;
   for (size_t i = 0; i < leaves.size(); ++i) {  // expressions start with a dot
     static constexpr const char* kTypes[] = {"float", "int", "uint"};
-    body += fmt::format("  if (source{0} != {1}({2})) {{ atomicAdd(wrong, 1u); first = min(first, {2}u); }}\n", leaves[i].expression,
-                        kTypes[static_cast<size_t>(leaves[i].base)], i + 1);
+    body += fmt::format("  if (source{0} != {1}({2})) {{ atomicAdd(wrong, 1u); first = min(first, {2}u); }}\n",
+                        leaves[i].expression, kTypes[static_cast<size_t>(leaves[i].base)], i + 1);
     if (!c.uniform) body += fmt::format("  target{0} = source{0};\n", leaves[i].expression);
   }
   const std::string text = fmt::format(
@@ -212,15 +214,17 @@ void run(Device& device, const LayoutCase& c, const std::string& name) {
       c.uniform ? "uniform" : "readonly buffer", members,
       c.uniform ? "" : fmt::format("layout(binding = 1, {}) buffer Target {{\n{}}} target;\n", layout_name, members), body);
   Resources resources;
-  resources.descriptors = {c.uniform ? uniform_buffer(0, content) : storage_buffer(0, content), storage_buffer(1, out), storage_buffer(2, wrong)};
+  resources.descriptors = {c.uniform ? uniform_buffer(0, content) : storage_buffer(0, content), storage_buffer(1, out),
+                           storage_buffer(2, wrong)};
   dispatch(device, compile_glsl(VK_SHADER_STAGE_COMPUTE_BIT, text), resources);
   const auto counts = wrong.as<uint32_t>();
-  expect(counts[0] == 0, fmt::format("{} of {} members are read from another place, first leaf {} in\n{}{}", counts[0], leaves.size(), counts[1],
-                                     structs, members));
+  expect(counts[0] == 0, fmt::format("{} of {} members are read from another place, first leaf {} in\n{}{}", counts[0],
+                                     leaves.size(), counts[1], structs, members));
   if (c.uniform) return;
   std::vector<std::byte> want(size, std::byte{0xA5});
   for (const Leaf& leaf : leaves) std::memcpy(want.data() + leaf.offset_bytes, content.mapped + leaf.offset_bytes, 4);
-  for (uint32_t i = 0; i < size; ++i) expect(out.mapped[i] == want[i], fmt::format("byte {} was written wrongly in\n{}{}", i, structs, members));
+  for (uint32_t i = 0; i < size; ++i)
+    expect(out.mapped[i] == want[i], fmt::format("byte {} was written wrongly in\n{}{}", i, structs, members));
 }
 
 }  // namespace
@@ -239,7 +243,8 @@ void register_block_layout() {
   for (const Kind& kind : kKinds) {
     for (int seed = 0; seed < 40; ++seed) {
       const std::string name = fmt::format("random.{}.{}", kind.name, seed);
-      add_case(kind.group, name, "15.8.4 Offset and Stride Assignment", [&kind, name](Device& device) { run(device, kind.c, name); });
+      add_case(kind.group, name, "15.8.4 Offset and Stride Assignment",
+               [&kind, name](Device& device) { run(device, kind.c, name); });
     }
   }
 }

@@ -16,7 +16,8 @@ constexpr uint32_t kSlots = 256;
 // The vertex shader marks (vertex, instance) in a storage buffer; nothing is rasterised.
 constexpr const char* kMarking =
     "layout(binding = 0, std430) buffer B { uint marks[]; };\n"
-    "void main() { atomicAdd(marks[uint(gl_InstanceIndex) * 256u + uint(gl_VertexIndex)], 1u); gl_Position = vec4(2.0, 2.0, 0.5, 1.0);"
+    "void main() { atomicAdd(marks[uint(gl_InstanceIndex) * 256u + uint(gl_VertexIndex)], 1u); gl_Position = vec4(2.0, 2.0, 0.5, "
+    "1.0);"
     " gl_PointSize = 1.0; }";
 
 struct DrawCase {
@@ -63,7 +64,8 @@ void run(Device& device, const DrawCase& c) {
     if (c.indices.empty()) {
       words.insert(words.end(), {c.count, c.instances, c.first + d * 8, c.first_instance});
     } else {
-      words.insert(words.end(), {c.count, c.instances, c.first + d * 8, static_cast<uint32_t>(c.vertex_offset), c.first_instance});
+      words.insert(words.end(),
+                   {c.count, c.instances, c.first + d * 8, static_cast<uint32_t>(c.vertex_offset), c.first_instance});
     }
   }
   const Buffer parameters = create_buffer(device, words);
@@ -90,7 +92,8 @@ void run(Device& device, const DrawCase& c) {
   const auto got = marks.as<uint32_t>();
   for (uint32_t slot = 0; slot < got.size(); ++slot) {
     const bool wanted = want.contains({slot % kSlots, slot / kSlots});
-    expect((got[slot] != 0) == wanted, fmt::format("vertex {} of instance {} {}", slot % kSlots, slot / kSlots, wanted ? "is missing" : "came"));
+    expect((got[slot] != 0) == wanted,
+           fmt::format("vertex {} of instance {} {}", slot % kSlots, slot / kSlots, wanted ? "is missing" : "came"));
   }
 }
 
@@ -113,10 +116,12 @@ void register_draw() {
         for (const uint32_t first_instance : {0u, 5u}) {
           for (const uint32_t draws : {1u, 2u}) {
             if (draws > 1 && !indirect) continue;
-            const std::string suffix = fmt::format("{}.{}_instances_{}_from_{}{}", topology_name, indirect ? "indirect" : "direct", instances,
-                                                   first_instance, draws > 1 ? "_multi" : "");
+            const std::string suffix =
+                fmt::format("{}.{}_instances_{}_from_{}{}", topology_name, indirect ? "indirect" : "direct", instances,
+                            first_instance, draws > 1 ? "_multi" : "");
             DrawCase c;
-            c.topology = topology, c.indirect = indirect, c.instances = instances, c.first_instance = first_instance, c.draw_count = draws;
+            c.topology = topology, c.indirect = indirect, c.instances = instances, c.first_instance = first_instance,
+            c.draw_count = draws;
             c.first = 4;
             add("arrays." + suffix, c);
             for (const auto& [index_type, type_name] : kIndexTypes) {

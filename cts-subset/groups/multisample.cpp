@@ -22,8 +22,8 @@ struct Location {
 const std::vector<Location>& standard_locations(uint32_t samples) {
   static const std::vector<Location> one = {{8, 8}}, two = {{12, 12}, {4, 4}}, four = {{6, 2}, {14, 6}, {2, 10}, {10, 14}},
                                      eight = {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}},
-                                     sixteen = {{9, 9},  {7, 5},  {5, 10}, {12, 7}, {3, 6},  {10, 13}, {13, 11}, {11, 3},
-                                                {6, 14}, {8, 1},  {4, 2},  {2, 12}, {0, 8},  {15, 4},  {14, 15}, {1, 0}};
+                                     sixteen = {{9, 9},  {7, 5}, {5, 10}, {12, 7}, {3, 6}, {10, 13}, {13, 11}, {11, 3},
+                                                {6, 14}, {8, 1}, {4, 2},  {2, 12}, {0, 8}, {15, 4},  {14, 15}, {1, 0}};
   switch (samples) {
     case 1:
       return one;
@@ -56,14 +56,15 @@ std::vector<uint32_t> fetch_samples(Device& device, const Image& image, uint32_t
   device.run([&](VkCommandBuffer commands) {
     transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   });
-  dispatch(device,
-           compile_glsl(VK_SHADER_STAGE_COMPUTE_BIT,
-                        fmt::format("layout(local_size_x = 16, local_size_y = 16) in; layout(binding = 0) uniform sampler2DMS t;\n"
-                                    "layout(binding = 1, std430) buffer B {{ uint values[]; }};\n"
-                                    "void main() {{ ivec2 p = ivec2(gl_LocalInvocationID.xy); for (int s = 0; s < {0}; ++s)\n"
-                                    "  values[(p.y * 16 + p.x) * {0} + s] = packUnorm4x8(texelFetch(t, p, s)); }}",
-                                    samples)),
-           resources);
+  dispatch(
+      device,
+      compile_glsl(VK_SHADER_STAGE_COMPUTE_BIT,
+                   fmt::format("layout(local_size_x = 16, local_size_y = 16) in; layout(binding = 0) uniform sampler2DMS t;\n"
+                               "layout(binding = 1, std430) buffer B {{ uint values[]; }};\n"
+                               "void main() {{ ivec2 p = ivec2(gl_LocalInvocationID.xy); for (int s = 0; s < {0}; ++s)\n"
+                               "  values[(p.y * 16 + p.x) * {0} + s] = packUnorm4x8(texelFetch(t, p, s)); }}",
+                               samples)),
+      resources);
   const auto values = out.as<uint32_t>();
   return {values.begin(), values.end()};
 }
@@ -82,9 +83,10 @@ DrawState triangle_state(const Triangle& t, uint32_t samples, const char* fragme
   std::string vertices;
   for (const auto& p : t.p) vertices += fmt::format("{}vec2({}, {})", vertices.empty() ? "" : ", ", p[0], p[1]);
   DrawState state;
-  state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
-                              fmt::format("void main() {{ vec2 p = vec2[]({})[gl_VertexIndex] / {}.0 - 1.0; gl_Position = vec4(p, 0.5, 1.0); }}",
-                                          vertices, kSize * 8));
+  state.vertex = compile_glsl(
+      VK_SHADER_STAGE_VERTEX_BIT,
+      fmt::format("void main() {{ vec2 p = vec2[]({})[gl_VertexIndex] / {}.0 - 1.0; gl_Position = vec4(p, 0.5, 1.0); }}",
+                  vertices, kSize * 8));
   state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, fragment);
   state.multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
   return state;
@@ -141,15 +143,18 @@ void run_resolve(Device& device, uint32_t samples, bool by_command) {
   require_samples(device, samples);
   require(!by_command || samples > 1, "more than one sample");
   Random random(fmt::format("resolve{}", samples));
-  const Image image = create_target(device, samples, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-  const Image resolved = create_target(device, 1, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+  const Image image =
+      create_target(device, samples, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+  const Image resolved =
+      create_target(device, 1, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
   Target target;
   target.colours.push_back({&image, VK_ATTACHMENT_LOAD_OP_CLEAR, {.color = {{0.25f, 0.5f, 0.75f, 1.0f}}}});
   if (!by_command) target.resolves.push_back(&resolved);
   Pass pass(device, target);
   for (int i = 0; i < 6; ++i) {
-    const std::string fragment = fmt::format("layout(location = 0) out vec4 c; void main() {{ c = vec4({}, {}, {}, 1.0) / 255.0; }}", random.below(256),
-                                             random.below(256), random.below(256));
+    const std::string fragment =
+        fmt::format("layout(location = 0) out vec4 c; void main() {{ c = vec4({}, {}, {}, 1.0) / 255.0; }}", random.below(256),
+                    random.below(256), random.below(256));
     pass.add(triangle_state(random_triangle(random), samples, fragment.c_str()));
   }
   pass.run();
@@ -159,8 +164,8 @@ void run_resolve(Device& device, uint32_t samples, bool by_command) {
       VkImageResolve region{};
       region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
       region.extent = {kSize, kSize, 1};
-      vkCmdResolveImage(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, resolved.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                        &region);
+      vkCmdResolveImage(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, resolved.handle,
+                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
       transition(commands, resolved, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
   }
@@ -170,7 +175,8 @@ void run_resolve(Device& device, uint32_t samples, bool by_command) {
     for (uint32_t c = 0; c < 4; ++c) {
       double sum = 0;
       for (uint32_t s = 0; s < samples; ++s) sum += values[i * samples + s] >> (8 * c) & 0xFF;
-      expect(std::abs(means[i * 4 + c] - sum / samples) <= 1, fmt::format("pixel {}, channel {}: {}, not {}", i, c, means[i * 4 + c], sum / samples));
+      expect(std::abs(means[i * 4 + c] - sum / samples) <= 1,
+             fmt::format("pixel {}, channel {}: {}, not {}", i, c, means[i * 4 + c], sum / samples));
     }
   }
 }
@@ -184,8 +190,9 @@ void run_sample_shading(Device& device, uint32_t samples) {
   target.colours.push_back({&image, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   DrawState state;
   state.vertex = fullscreen_vertex();
-  state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
-                                "layout(location = 0) out vec4 c; void main() { c = vec4(float(gl_SampleID), gl_SamplePosition * 16.0, 255.0) / 255.0; }");
+  state.fragment = compile_glsl(
+      VK_SHADER_STAGE_FRAGMENT_BIT,
+      "layout(location = 0) out vec4 c; void main() { c = vec4(float(gl_SampleID), gl_SamplePosition * 16.0, 255.0) / 255.0; }");
   state.multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
   Pass pass(device, target);
   pass.add(state);
@@ -209,8 +216,9 @@ void run_alpha_to_coverage(Device& device, uint32_t samples) {
   target.colours.push_back({&image, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   DrawState state;
   state.vertex = fullscreen_vertex();
-  state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
-                                "layout(location = 0) out vec4 c; void main() { c = vec4(1.0, 1.0, 1.0, (gl_FragCoord.x - 0.5) / 15.0); }");
+  state.fragment =
+      compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
+                   "layout(location = 0) out vec4 c; void main() { c = vec4(1.0, 1.0, 1.0, (gl_FragCoord.x - 0.5) / 15.0); }");
   state.multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(samples);
   state.multisample.alphaToCoverageEnable = VK_TRUE;
   Pass pass(device, target);
@@ -222,8 +230,10 @@ void run_alpha_to_coverage(Device& device, uint32_t samples) {
     for (uint32_t s = 0; s < samples; ++s) columns[i % kSize] += values[i * samples + s] != 0;
   }
   expect(columns[0] == 0, fmt::format("alpha 0 covers {} samples", columns[0]));
-  expect(columns[kSize - 1] == kSize * samples, fmt::format("alpha 1 covers {} of {} samples", columns[kSize - 1], kSize * samples));
-  for (uint32_t x = 1; x < kSize; ++x) expect(columns[x] >= columns[x - 1], fmt::format("column {} has fewer samples than the one before", x));
+  expect(columns[kSize - 1] == kSize * samples,
+         fmt::format("alpha 1 covers {} of {} samples", columns[kSize - 1], kSize * samples));
+  for (uint32_t x = 1; x < kSize; ++x)
+    expect(columns[x] >= columns[x - 1], fmt::format("column {} has fewer samples than the one before", x));
 }
 
 }  // namespace
@@ -236,7 +246,8 @@ void register_multisample() {
     for (uint32_t seed = 0; seed < 10; ++seed) {
       add(fmt::format("coverage.{}", seed), "27.3 Multisampling, standard sample locations",
           [=](Device& device) { run_coverage(device, samples, seed, ~0u); });
-      add(fmt::format("mask.{}", seed), "28.3 Sample Mask Test", [=](Device& device) { run_coverage(device, samples, seed, 0x5A69u); });
+      add(fmt::format("mask.{}", seed), "28.3 Sample Mask Test",
+          [=](Device& device) { run_coverage(device, samples, seed, 0x5A69u); });
     }
     add("resolve.attachment", "8.1 Render Pass Creation, resolve", [=](Device& device) { run_resolve(device, samples, false); });
     add("resolve.command", "20.7 Resolving Multisample Images", [=](Device& device) { run_resolve(device, samples, true); });

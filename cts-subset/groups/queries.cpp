@@ -23,10 +23,11 @@ QueryPool create_pool(Device& device, VkQueryType type, uint32_t count, VkQueryP
 // A rectangle of whole pixels, at depth z.
 DrawState rectangle(uint32_t width, uint32_t height, float z) {
   DrawState state;
-  state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
-                              fmt::format("void main() {{ vec2 p = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * vec2({}.0, {}.0) / {}.0 * 2.0 - 1.0;"
-                                          "gl_Position = vec4(p, {:.3f}, 1.0); }}",
-                                          width, height, kSize, z));
+  state.vertex = compile_glsl(
+      VK_SHADER_STAGE_VERTEX_BIT,
+      fmt::format("void main() {{ vec2 p = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * vec2({}.0, {}.0) / {}.0 * 2.0 - 1.0;"
+                  "gl_Position = vec4(p, {:.3f}, 1.0); }}",
+                  width, height, kSize, z));
   state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, "layout(location = 0) out vec4 c; void main() { c = vec4(1.0); }");
   state.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
   state.vertices = 4;
@@ -59,8 +60,9 @@ void run_occlusion(Device& device, const OcclusionCase& c) {
   const QueryPool pool = create_pool(device, VK_QUERY_TYPE_OCCLUSION, 2);
   DrawState state = rectangle(c.width, c.height, c.hidden ? 0.75f : 0.25f);
   if (c.discards) {
-    state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
-                                  "layout(location = 0) out vec4 c; void main() { if ((uint(gl_FragCoord.x) & 1u) != 0u) discard; c = vec4(1.0); }");
+    state.fragment = compile_glsl(
+        VK_SHADER_STAGE_FRAGMENT_BIT,
+        "layout(location = 0) out vec4 c; void main() { if ((uint(gl_FragCoord.x) & 1u) != 0u) discard; c = vec4(1.0); }");
   }
   state.depth_stencil.depthTestEnable = VK_TRUE;
   state.depth_stencil.depthCompareOp = VK_COMPARE_OP_LESS;
@@ -80,7 +82,8 @@ void run_occlusion(Device& device, const OcclusionCase& c) {
   const uint64_t pixels = uint64_t{c.discards ? c.width / 2 : c.width} * c.height;
   const uint64_t want = c.hidden ? 0 : pixels * c.samples * c.draws;
   expect(result[1] != 0, "the result is not available after the queue is idle");
-  expect(c.precise ? result[0] == want : (result[0] != 0) == (want != 0), fmt::format("{} samples passed, not {}", result[0], want));
+  expect(c.precise ? result[0] == want : (result[0] != 0) == (want != 0),
+         fmt::format("{} samples passed, not {}", result[0], want));
 }
 
 // The results of two queries, copied by the device with every combination of flags.
@@ -130,7 +133,8 @@ void run_timestamps(Device& device) {
     vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool, 2);
   });
   uint64_t times[3] = {};
-  check(vkGetQueryPoolResults(device.handle(), pool, 0, 3, sizeof(times), times, 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+  check(vkGetQueryPoolResults(device.handle(), pool, 0, 3, sizeof(times), times, 8,
+                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "vkGetQueryPoolResults");
   expect(times[0] != 0 && times[1] <= times[2], fmt::format("timestamps {}, {}, {}", times[0], times[1], times[2]));
   if (bits < 64) expect(times[2] >> bits == 0, "bits beyond timestampValidBits");
@@ -174,7 +178,8 @@ void run_statistic(Device& device, const Statistic& statistic) {
   uint64_t value = 0;
   check(vkGetQueryPoolResults(device.handle(), pool, 0, 1, 8, &value, 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "vkGetQueryPoolResults");
-  expect(value >= statistic.low && value <= statistic.high, fmt::format("{}, not in {} to {}", value, statistic.low, statistic.high));
+  expect(value >= statistic.low && value <= statistic.high,
+         fmt::format("{}, not in {} to {}", value, statistic.low, statistic.high));
 }
 
 }  // namespace
@@ -182,11 +187,14 @@ void run_statistic(Device& device, const Statistic& statistic) {
 void register_queries() {
   constexpr const char* kOcclusion = "18.3 Occlusion Queries";
   for (const auto& [width, height] : {std::pair{1u, 1u}, {3u, 5u}, {16u, 16u}, {31u, 17u}, {32u, 32u}}) {
-    for (const VkSampleCountFlagBits samples : {VK_SAMPLE_COUNT_1_BIT, VK_SAMPLE_COUNT_2_BIT, VK_SAMPLE_COUNT_4_BIT, VK_SAMPLE_COUNT_8_BIT}) {
+    for (const VkSampleCountFlagBits samples :
+         {VK_SAMPLE_COUNT_1_BIT, VK_SAMPLE_COUNT_2_BIT, VK_SAMPLE_COUNT_4_BIT, VK_SAMPLE_COUNT_8_BIT}) {
       for (const bool precise : {false, true}) {
         const auto add = [&](const char* name, OcclusionCase c) {
           c.precise = precise, c.samples = samples;
-          add_case("query_pool", fmt::format("occlusion.{}x{}_{}_samples_{}_{}", width, height, static_cast<int>(samples), name, precise ? "precise" : "boolean"),
+          add_case("query_pool",
+                   fmt::format("occlusion.{}x{}_{}_samples_{}_{}", width, height, static_cast<int>(samples), name,
+                               precise ? "precise" : "boolean"),
                    kOcclusion, [c](Device& device) { run_occlusion(device, c); });
         };
         add("plain", {width, height});

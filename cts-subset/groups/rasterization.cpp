@@ -13,7 +13,7 @@ namespace pineda::cts {
 namespace {
 
 constexpr int kCells = 8, kCellSize = 16, kSize = kCells * kCellSize;  // each primitive has a cell of its own
-constexpr int kUnits = 16;                                             // coordinates are multiples of 1/16 px: every driver has 4 bits
+constexpr int kUnits = 16;  // coordinates are multiples of 1/16 px: every driver has 4 bits
 
 struct Point {
   int x, y;  // 1/kUnits px
@@ -23,7 +23,8 @@ int64_t edge(const Point& a, const Point& b, const Point& p) {
   return int64_t{b.x - a.x} * (p.y - a.y) - int64_t{b.y - a.y} * (p.x - a.x);
 }
 
-// With y pointing down and the area positive, an edge is a top one when it is horizontal and goes right, a left one when it goes up.
+// With y pointing down and the area positive, an edge is a top one when it is horizontal and goes right, a left one when it goes
+// up.
 bool owns(const Point& a, const Point& b) { return (a.y == b.y && b.x > a.x) || b.y < a.y; }
 
 bool covers(Point a, Point b, Point c, const Point& sample) {
@@ -47,9 +48,10 @@ Vertex to_clip(const Point& p) {  // exact: kSize is a power of two
 
 DrawState make_state(const Buffer& vertices, uint32_t count) {
   DrawState state;
-  state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
-                              "layout(location = 0) in vec2 p; layout(location = 0) flat out uint id;\n"
-                              "void main() { gl_Position = vec4(p, 0.5, 1.0); id = uint(gl_VertexIndex) / 3u; gl_PointSize = 1.0; }");
+  state.vertex =
+      compile_glsl(VK_SHADER_STAGE_VERTEX_BIT,
+                   "layout(location = 0) in vec2 p; layout(location = 0) flat out uint id;\n"
+                   "void main() { gl_Position = vec4(p, 0.5, 1.0); id = uint(gl_VertexIndex) / 3u; gl_PointSize = 1.0; }");
   state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
                                 "layout(location = 0) flat in uint id; layout(location = 0) out uvec4 colour;\n"
                                 "void main() { colour = uvec4(1u); }");
@@ -69,8 +71,12 @@ struct TriangleKind {
   int spread;     // of the second and third vertex around the first, in units
   int alignment;  // coordinates are multiples of this
 };
-constexpr TriangleKind kKinds[] = {{"tiny", 12, 1},           {"pixel_sized", 32, 1},      {"cell_sized", 250, 1},
-                                   {"on_pixel_centres", 250, 8}, {"on_pixel_corners", 250, 16}, {"huge", 40000, 1}};
+constexpr TriangleKind kKinds[] = {{"tiny", 12, 1},
+                                   {"pixel_sized", 32, 1},
+                                   {"cell_sized", 250, 1},
+                                   {"on_pixel_centres", 250, 8},
+                                   {"on_pixel_corners", 250, 16},
+                                   {"huge", 40000, 1}};
 
 void run_triangles(Device& device, const TriangleKind& kind, uint32_t seed, bool reversed) {
   Random random(fmt::format("{}{}", kind.name, seed));
@@ -82,9 +88,12 @@ void run_triangles(Device& device, const TriangleKind& kind, uint32_t seed, bool
     const bool huge = kind.spread > 1000;
     std::array<Point, 3> t;
     const auto inside = [&](int v, int low) { return huge ? v : std::clamp(v, low, low + kCellSize * kUnits); };
-    const Point first{left + snap(static_cast<int>(random.below(kCellSize * kUnits))), top + snap(static_cast<int>(random.below(kCellSize * kUnits)))};
+    const Point first{left + snap(static_cast<int>(random.below(kCellSize * kUnits))),
+                      top + snap(static_cast<int>(random.below(kCellSize * kUnits)))};
     for (int v = 0; v < 3; ++v) {
-      const auto jitter = [&] { return v == 0 ? 0 : static_cast<int>(random.below(static_cast<uint32_t>(2 * kind.spread + 1))) - kind.spread; };
+      const auto jitter = [&] {
+        return v == 0 ? 0 : static_cast<int>(random.below(static_cast<uint32_t>(2 * kind.spread + 1))) - kind.spread;
+      };
       t[static_cast<size_t>(v)] = {inside(snap(first.x + jitter()), left), inside(snap(first.y + jitter()), top)};
     }
     if (reversed) std::swap(t[1], t[2]);
@@ -121,20 +130,25 @@ void run_shared_edges(Device& device, uint32_t seed) {
       static constexpr int kCorners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
       rim.push_back({kCorners[side][0] * border, kCorners[side][1] * border});
     }
-    rim.push_back(side == 0 ? Point{at, 0} : side == 1 ? Point{border, at} : side == 2 ? Point{border - at, border} : Point{0, border - at});
+    rim.push_back(side == 0   ? Point{at, 0}
+                  : side == 1 ? Point{border, at}
+                  : side == 2 ? Point{border - at, border}
+                              : Point{0, border - at});
   }
   for (size_t i = 0; i < rim.size(); ++i) {
     for (const Point& p : {Point{centre_x, centre_y}, rim[i], rim[(i + 1) % rim.size()]}) vertices.push_back(to_clip(p));
   }
   const Buffer buffer = create_buffer(device, vertices);
   DrawState state = make_state(buffer, static_cast<uint32_t>(vertices.size()));
-  state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, "layout(location = 0) out vec4 c; void main() { c = vec4(1.0 / 255.0); }");
+  state.fragment =
+      compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, "layout(location = 0) out vec4 c; void main() { c = vec4(1.0 / 255.0); }");
   state.blend[0].blendEnable = VK_TRUE;
   state.blend[0].srcColorBlendFactor = state.blend[0].dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
   state.blend[0].srcAlphaBlendFactor = state.blend[0].dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   const auto pixels = draw_once(device, state, {kSize, kSize}, VK_FORMAT_R8_UNORM);
   for (size_t i = 0; i < pixels.size(); ++i) {
-    expect(pixels[i] == std::byte{1}, fmt::format("pixel {}, {} was hit {} times", i % kSize, i / kSize, std::to_integer<int>(pixels[i])));
+    expect(pixels[i] == std::byte{1},
+           fmt::format("pixel {}, {} was hit {} times", i % kSize, i / kSize, std::to_integer<int>(pixels[i])));
   }
 }
 
@@ -207,7 +221,8 @@ void run_culling(Device& device, const Culling& culling, VkPrimitiveTopology top
     // One pixel well inside the first triangle, one inside the second (strips and fans).
     const size_t first = clockwise ? size_t{20} * kSize + 20 : size_t{20} * kSize + kSize - 20;
     const size_t second = clockwise ? size_t{kSize - 20} * kSize + kSize - 20 : size_t{kSize - 20} * kSize + 20;
-    expect(pixels[first] == want, fmt::format("{} triangle: pixel holds {}", clockwise ? "clockwise" : "counter-clockwise", std::to_integer<int>(pixels[first])));
+    expect(pixels[first] == want, fmt::format("{} triangle: pixel holds {}", clockwise ? "clockwise" : "counter-clockwise",
+                                              std::to_integer<int>(pixels[first])));
     if (state.vertices == 4) expect(pixels[second] == want, "the strip's or fan's second triangle faces the other way");
   }
 }
@@ -233,8 +248,8 @@ void register_rasterization() {
              [size](Device& device) { run_points(device, size); });
   }
   static constexpr std::pair<VkPrimitiveTopology, const char*> kTopologies[] = {{VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, "list"},
-                                                                              {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, "strip"},
-                                                                              {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, "fan"}};
+                                                                                {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP, "strip"},
+                                                                                {VK_PRIMITIVE_TOPOLOGY_TRIANGLE_FAN, "fan"}};
   for (const Culling& culling : kCullings) {
     for (const auto& [topology, name] : kTopologies) {
       add_case("rasterization", fmt::format("culling.{}.{}", culling.name, name), "27.6.1 facingness and culling",

@@ -73,14 +73,17 @@ std::vector<Operation> operations() {
   constexpr const char* kRelative = "GL_KHR_shader_subgroup_shuffle_relative";
   constexpr const char* kQuad = "GL_KHR_shader_subgroup_quad";
   using F = VkSubgroupFeatureFlagBits;
-  constexpr F basic = VK_SUBGROUP_FEATURE_BASIC_BIT, vote = VK_SUBGROUP_FEATURE_VOTE_BIT, ballots = VK_SUBGROUP_FEATURE_BALLOT_BIT;
-  constexpr F shuffle = VK_SUBGROUP_FEATURE_SHUFFLE_BIT, relative = VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT, quad = VK_SUBGROUP_FEATURE_QUAD_BIT;
+  constexpr F basic = VK_SUBGROUP_FEATURE_BASIC_BIT, vote = VK_SUBGROUP_FEATURE_VOTE_BIT,
+              ballots = VK_SUBGROUP_FEATURE_BALLOT_BIT;
+  constexpr F shuffle = VK_SUBGROUP_FEATURE_SHUFFLE_BIT, relative = VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT,
+              quad = VK_SUBGROUP_FEATURE_QUAD_BIT;
   std::vector<Operation> table = {
       {"elect", "subgroupElect() ? 1u : 0u", kBasic, basic, [](const Lane& l) { return l.index == first_active(l) ? 1u : 0u; }},
       {"invocation_id", "gl_SubgroupInvocationID", kBasic, basic, [](const Lane& l) { return l.index; }},
       {"all", "subgroupAll(v > 10u) ? 1u : 0u", kVote, vote,
        [](const Lane& l) { return reduce(l, 0, l.size, ~0u, min_of) > 10 ? 1u : 0u; }},
-      {"any", "subgroupAny(v < 5u) ? 1u : 0u", kVote, vote, [](const Lane& l) { return reduce(l, 0, l.size, ~0u, min_of) < 5 ? 1u : 0u; }},
+      {"any", "subgroupAny(v < 5u) ? 1u : 0u", kVote, vote,
+       [](const Lane& l) { return reduce(l, 0, l.size, ~0u, min_of) < 5 ? 1u : 0u; }},
       {"all_equal", "subgroupAllEqual(v >> 6u) ? 1u : 0u", kVote, vote,
        [](const Lane& l) {
          for (uint32_t i = 0; i < l.size; ++i) {
@@ -109,8 +112,10 @@ std::vector<Operation> operations() {
       {"shuffle_up", "subgroupShuffleUp(v, 2u)", kRelative, relative,
        [](const Lane& l) { return l.index < 2 ? kAnything : value_at(l, l.index - 2); }},
       {"shuffle_down", "subgroupShuffleDown(v, 1u)", kRelative, relative, [](const Lane& l) { return value_at(l, l.index + 1); }},
-      {"quad_broadcast", "subgroupQuadBroadcast(v, 1u)", kQuad, quad, [](const Lane& l) { return value_at(l, (l.index & ~3u) + 1); }},
-      {"quad_swap_horizontal", "subgroupQuadSwapHorizontal(v)", kQuad, quad, [](const Lane& l) { return value_at(l, l.index ^ 1); }},
+      {"quad_broadcast", "subgroupQuadBroadcast(v, 1u)", kQuad, quad,
+       [](const Lane& l) { return value_at(l, (l.index & ~3u) + 1); }},
+      {"quad_swap_horizontal", "subgroupQuadSwapHorizontal(v)", kQuad, quad,
+       [](const Lane& l) { return value_at(l, l.index ^ 1); }},
       {"quad_swap_vertical", "subgroupQuadSwapVertical(v)", kQuad, quad, [](const Lane& l) { return value_at(l, l.index ^ 2); }},
       {"quad_swap_diagonal", "subgroupQuadSwapDiagonal(v)", kQuad, quad, [](const Lane& l) { return value_at(l, l.index ^ 3); }},
   };
@@ -120,8 +125,9 @@ std::vector<Operation> operations() {
     uint32_t start;
     uint32_t (*op)(uint32_t, uint32_t);
   };
-  static constexpr Reduction kReductions[] = {{"add", "Add", 0, add},      {"mul", "Mul", 1, mul}, {"min", "Min", ~0u, min_of}, {"max", "Max", 0, max_of},
-                                              {"and", "And", ~0u, and_of}, {"or", "Or", 0, or_of}, {"xor", "Xor", 0, xor_of}};
+  static constexpr Reduction kReductions[] = {{"add", "Add", 0, add},    {"mul", "Mul", 1, mul},      {"min", "Min", ~0u, min_of},
+                                              {"max", "Max", 0, max_of}, {"and", "And", ~0u, and_of}, {"or", "Or", 0, or_of},
+                                              {"xor", "Xor", 0, xor_of}};
   static std::deque<std::string> kept;  // the table holds pointers
   const auto keep = [&](std::string text) { return kept.emplace_back(std::move(text)).c_str(); };
   for (const Reduction& r : kReductions) {
@@ -129,13 +135,14 @@ std::vector<Operation> operations() {
     constexpr F arithmetic = VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
     table.push_back({keep(fmt::format("reduce_{}", r.name)), keep(fmt::format("subgroup{}(v)", r.glsl)), kArithmetic, arithmetic,
                      [&r](const Lane& l) { return reduce(l, 0, l.size, r.start, r.op); }});
-    table.push_back({keep(fmt::format("inclusive_{}", r.name)), keep(fmt::format("subgroupInclusive{}(v)", r.glsl)), kArithmetic, arithmetic,
-                     [&r](const Lane& l) { return reduce(l, 0, l.index + 1, r.start, r.op); }});
-    table.push_back({keep(fmt::format("exclusive_{}", r.name)), keep(fmt::format("subgroupExclusive{}(v)", r.glsl)), kArithmetic, arithmetic,
-                     [&r](const Lane& l) { return reduce(l, 0, l.index, r.start, r.op); }});
+    table.push_back({keep(fmt::format("inclusive_{}", r.name)), keep(fmt::format("subgroupInclusive{}(v)", r.glsl)), kArithmetic,
+                     arithmetic, [&r](const Lane& l) { return reduce(l, 0, l.index + 1, r.start, r.op); }});
+    table.push_back({keep(fmt::format("exclusive_{}", r.name)), keep(fmt::format("subgroupExclusive{}(v)", r.glsl)), kArithmetic,
+                     arithmetic, [&r](const Lane& l) { return reduce(l, 0, l.index, r.start, r.op); }});
     for (const uint32_t cluster : {1u, 2u, 4u}) {
-      table.push_back({keep(fmt::format("clustered_{}_{}", cluster, r.name)), keep(fmt::format("subgroupClustered{}(v, {}u)", r.glsl, cluster)),
-                       "GL_KHR_shader_subgroup_clustered", VK_SUBGROUP_FEATURE_CLUSTERED_BIT, [&r, cluster](const Lane& l) {
+      table.push_back({keep(fmt::format("clustered_{}_{}", cluster, r.name)),
+                       keep(fmt::format("subgroupClustered{}(v, {}u)", r.glsl, cluster)), "GL_KHR_shader_subgroup_clustered",
+                       VK_SUBGROUP_FEATURE_CLUSTERED_BIT, [&r, cluster](const Lane& l) {
                          const uint32_t first = l.index / cluster * cluster;
                          return reduce(l, first, first + cluster, r.start, r.op);
                        }});
@@ -159,7 +166,8 @@ void run(Device& device, const Operation& op, Active activity) {
   const char* condition = activity == Active::kAll ? "true" : "v % 3u != 0u";
   const std::string text = fmt::format(
       "#extension GL_KHR_shader_subgroup_basic : require\n#extension {} : require\nlayout(local_size_x = {}) in;\n"
-      "layout(binding = 0, std430) readonly buffer In {{ uint inputs[]; }};\nlayout(binding = 1, std430) buffer Out {{ uvec4 outputs[]; }};\n"
+      "layout(binding = 0, std430) readonly buffer In {{ uint inputs[]; }};\nlayout(binding = 1, std430) buffer Out {{ uvec4 "
+      "outputs[]; }};\n"
       "void main() {{\n  uint at = gl_LocalInvocationIndex, v = inputs[at], r = 0u, ran = 0u;\n"
       "  if ({}) {{ r = {}; ran = 1u; }}\n  outputs[at] = uvec4(r, ran, gl_SubgroupID, gl_SubgroupInvocationID);\n}}\n",
       op.extension, kInvocations, condition, op.expression);
@@ -192,7 +200,8 @@ void register_subgroups() {
   for (const Operation& op : table) {
     for (const Active activity : {Active::kAll, Active::kSome}) {
       add_case("subgroups", fmt::format("{}.{}", op.name, activity == Active::kAll ? "all_active" : "some_active"),
-               "9.27 Group Operations; SPIR-V 3.49.21 Non-Uniform Instructions", [&op, activity](Device& device) { run(device, op, activity); });
+               "9.27 Group Operations; SPIR-V 3.49.21 Non-Uniform Instructions",
+               [&op, activity](Device& device) { run(device, op, activity); });
     }
   }
 }

@@ -1,4 +1,6 @@
 // texture.*: filters, address modes, level selection, shapes, comparisons and gathers, against reference/texture.
+#include "cts-subset/reference/texture.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,7 +12,6 @@
 #include "cts-subset/reference/compare.h"
 #include "cts-subset/reference/float32.h"
 #include "cts-subset/reference/random.h"
-#include "cts-subset/reference/texture.h"
 
 namespace pineda::cts {
 namespace {
@@ -115,7 +116,8 @@ Image create_texture(Device& device, const TextureCase& c, Texture& model, Rando
   return image;
 }
 
-// Away from texel boundaries by 1/16 texel in every level, so that nearest filtering has one answer; and from centres, for gathers.
+// Away from texel boundaries by 1/16 texel in every level, so that nearest filtering has one answer; and from centres, for
+// gathers.
 bool is_clear(double value, uint32_t size) {
   for (uint32_t level_size = size; level_size > 0; level_size /= 2) {
     const double position = value * level_size, fraction = position - std::floor(position);
@@ -169,7 +171,9 @@ std::vector<Arguments> make_inputs(const TextureCase& c, Random& random) {
 std::string call_for(const TextureCase& c) {
   const int count = shape_info(c.shape).coordinates;
   const std::string p = std::string("uintBitsToFloat(a.") + std::string("xyzw").substr(0, static_cast<size_t>(count)) + ")";
-  const char* offset = c.shape == Shape::k1D || c.shape == Shape::k1DArray ? "2" : c.shape == Shape::k3D ? "ivec3(2, -3, 1)" : "ivec2(2, -3)";
+  const char* offset = c.shape == Shape::k1D || c.shape == Shape::k1DArray ? "2"
+                       : c.shape == Shape::k3D                             ? "ivec3(2, -3, 1)"
+                                                                           : "ivec2(2, -3)";
   const std::string lod = "uintBitsToFloat(b.x)", reference = "uintBitsToFloat(b.y)";
   if (c.state.compare) {
     if (c.op == Op::kGather) return fmt::format("textureGather(t, {}, {})", p, reference);
@@ -198,12 +202,14 @@ std::string call_for(const TextureCase& c) {
 void check_support(Device& device, const TextureCase& c) {
   const VkFormatFeatureFlags features = device.format(c.format).optimalTilingFeatures;
   require(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, "sampling this format");
-  const bool linear = c.state.mag == VK_FILTER_LINEAR || c.state.min == VK_FILTER_LINEAR || c.state.mip == VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  const bool linear =
+      c.state.mag == VK_FILTER_LINEAR || c.state.min == VK_FILTER_LINEAR || c.state.mip == VK_SAMPLER_MIPMAP_MODE_LINEAR;
   require(!linear || features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, "filtering this format");
   require(c.shape != Shape::kCubeArray || device.caps().features.imageCubeArray, "imageCubeArray");
   require(c.op != Op::kGatherOffset || device.caps().features.shaderImageGatherExtended, "shaderImageGatherExtended");
   for (const VkSamplerAddressMode mode : c.state.address) {
-    require(mode != VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE || device.has_extension(VK_KHR_SAMPLER_MIRROR_CLAMP_TO_EDGE_EXTENSION_NAME),
+    require(mode != VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE ||
+                device.has_extension(VK_KHR_SAMPLER_MIRROR_CLAMP_TO_EDGE_EXTENSION_NAME),
             "mirror clamp");
   }
 }
@@ -212,16 +218,19 @@ void check_results(Device& device, const TextureCase& c, const Texture& model, c
                    const std::vector<Words4>& results) {
   const bool one = c.shape == Shape::k1D || c.shape == Shape::k1DArray;
   const bool offset_used = c.op == Op::kLodOffset || c.op == Op::kGatherOffset;
-  const std::array<int, 3> offset = offset_used ? std::array<int, 3>{2, one ? 0 : -3, c.shape == Shape::k3D ? 1 : 0} : std::array<int, 3>{};
+  const std::array<int, 3> offset =
+      offset_used ? std::array<int, 3>{2, one ? 0 : -3, c.shape == Shape::k3D ? 1 : 0} : std::array<int, 3>{};
   const bool is_gather = c.op == Op::kGather || c.op == Op::kGatherOffset;
   const bool integer = aspects_of(c.format) == VK_IMAGE_ASPECT_COLOR_BIT && info_of(c.format).is_integer();
   // The specification does not say how precisely fixed-point texels are weighted: one step of the format is allowed.
-  const bool weighted = c.state.mag == VK_FILTER_LINEAR || c.state.min == VK_FILTER_LINEAR || c.state.mip == VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  const bool weighted =
+      c.state.mag == VK_FILTER_LINEAR || c.state.min == VK_FILTER_LINEAR || c.state.mip == VK_SAMPLER_MIPMAP_MODE_LINEAR;
   const double step = weighted && !is_gather && !c.state.compare && aspects_of(c.format) == VK_IMAGE_ASPECT_COLOR_BIT
                           ? step_of(info_of(c.format).channels.front(), 0)
                           : 0;
   // Decoding sRGB is asked to be within half a step of 8 bits; a step near one is 1/113 in linear values, near zero much less.
-  const bool srgb = aspects_of(c.format) == VK_IMAGE_ASPECT_COLOR_BIT && info_of(c.format).channels.front().numeric == Numeric::kSrgb;
+  const bool srgb =
+      aspects_of(c.format) == VK_IMAGE_ASPECT_COLOR_BIT && info_of(c.format).channels.front().numeric == Numeric::kSrgb;
   for (size_t n = 0; n < inputs.size(); ++n) {
     std::array<double, 4> p{};
     for (size_t i = 0; i < 4; ++i) p[i] = as_float(inputs[n].a[i]);
@@ -239,8 +248,8 @@ void check_results(Device& device, const TextureCase& c, const Texture& model, c
       const double got = integer ? results[n][i] : double{as_float(results[n][i])};
       const double allowed = want.slack[i] + step + (srgb ? 1e-3 : 1e-5) * (1 + std::abs(want.value[i]));
       if (std::abs(got - want.value[i]) <= allowed) continue;
-      throw Failure(fmt::format("at ({}, {}, {}, {}), lod {}, reference {}: component {} is {:.7g}, not {:.7g} (allowed {:.2g})", p[0], p[1], p[2],
-                                p[3], lod, reference, i, got, want.value[i], allowed));
+      throw Failure(fmt::format("at ({}, {}, {}, {}), lod {}, reference {}: component {} is {:.7g}, not {:.7g} (allowed {:.2g})",
+                                p[0], p[1], p[2], p[3], lod, reference, i, got, want.value[i], allowed));
     }
   }
 }
@@ -334,14 +343,18 @@ void register_selection() {
     const char* name;
     double bias, min_lod, max_lod;
   };
-  static constexpr Selection kSelections[] = {
-      {"bias_up", 0.625, 0, 1000}, {"bias_down", -0.875, 0, 1000}, {"min_lod", 0, 1.25, 1000}, {"max_lod", 0, 0, 0.875}, {"fixed", 0, 1, 1}};
+  static constexpr Selection kSelections[] = {{"bias_up", 0.625, 0, 1000},
+                                              {"bias_down", -0.875, 0, 1000},
+                                              {"min_lod", 0, 1.25, 1000},
+                                              {"max_lod", 0, 0, 0.875},
+                                              {"fixed", 0, 1, 1}};
   for (const Selection& selection : kSelections) {
     for (const VkSamplerMipmapMode mip : {VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_MIPMAP_MODE_LINEAR}) {
       TextureCase c;
       c.state = sampler_state(VK_FILTER_NEAREST, mip, VK_SAMPLER_ADDRESS_MODE_REPEAT);
       c.state.bias = selection.bias, c.state.min_lod = selection.min_lod, c.state.max_lod = selection.max_lod;
-      add("level_of_detail", fmt::format("{}.{}", selection.name, mip == VK_SAMPLER_MIPMAP_MODE_LINEAR ? "linear" : "nearest"), c);
+      add("level_of_detail", fmt::format("{}.{}", selection.name, mip == VK_SAMPLER_MIPMAP_MODE_LINEAR ? "linear" : "nearest"),
+          c);
     }
   }
   for (const auto& [mag, min] : {std::pair{VK_FILTER_NEAREST, VK_FILTER_LINEAR}, {VK_FILTER_LINEAR, VK_FILTER_NEAREST}}) {
@@ -379,7 +392,10 @@ void register_functions() {
           c.op = op;
           c.component = component;
           c.state = sampler_state(VK_FILTER_LINEAR, VK_SAMPLER_MIPMAP_MODE_NEAREST, address.value);
-          add("gather", fmt::format("{}.{}.{}component_{}", shape_info(shape).name, address.name, op == Op::kGather ? "" : "offset_", component), c);
+          add("gather",
+              fmt::format("{}.{}.{}component_{}", shape_info(shape).name, address.name, op == Op::kGather ? "" : "offset_",
+                          component),
+              c);
         }
       }
     }
@@ -387,7 +403,8 @@ void register_functions() {
 }
 
 void register_shadow_and_borders() {
-  static constexpr const char* kCompareNames[] = {"never", "less", "equal", "less_or_equal", "greater", "not_equal", "greater_or_equal", "always"};
+  static constexpr const char* kCompareNames[] = {
+      "never", "less", "equal", "less_or_equal", "greater", "not_equal", "greater_or_equal", "always"};
   for (int op = 0; op < 8; ++op) {
     for (const VkFilter filter : {VK_FILTER_NEAREST, VK_FILTER_LINEAR}) {
       for (const Op function : {Op::kLod, Op::kGather}) {
@@ -397,7 +414,8 @@ void register_shadow_and_borders() {
         c.state = sampler_state(filter, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_REPEAT);
         c.state.compare = true;
         c.state.compare_op = static_cast<VkCompareOp>(op);
-        add("shadow", fmt::format("{}.{}.{}", function == Op::kLod ? "lod" : "gather", kCompareNames[op], filter_name(filter)), c);
+        add("shadow", fmt::format("{}.{}.{}", function == Op::kLod ? "lod" : "gather", kCompareNames[op], filter_name(filter)),
+            c);
       }
     }
   }

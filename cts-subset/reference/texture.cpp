@@ -163,8 +163,8 @@ Position locate(const Texture& texture, const SamplerState& state, const Texture
 }
 
 // One level's answer; `slack` gets the spread of the footprint times the weight that a sub-texel step can move.
-Sample filter_level(const Fetcher& fetch, const TextureLevel& level, const Position& p, VkFilter filter, std::array<int, 3> offset,
-                    int sub_texel_bits) {
+Sample filter_level(const Fetcher& fetch, const TextureLevel& level, const Position& p, VkFilter filter,
+                    std::array<int, 3> offset, int sub_texel_bits) {
   const int dims = dimensions(fetch.texture.shape);
   if (filter == VK_FILTER_NEAREST) {
     int i = static_cast<int>(std::floor(p.u)) + offset[0], j = static_cast<int>(std::floor(p.v)) + offset[1];
@@ -219,8 +219,8 @@ Sample sample(const Texture& texture, const SamplerState& state, std::array<doub
   return out;
 }
 
-Colour gather(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, size_t component, double reference,
-              std::array<int, 3> offset) {
+Colour gather(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, size_t component,
+              double reference, std::array<int, 3> offset) {
   const Fetcher fetch{texture, state, reference};
   const TextureLevel& level = texture.levels[0];
   const Position p = locate(texture, state, level, coordinate);

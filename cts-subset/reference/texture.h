@@ -36,20 +36,21 @@ struct SamplerState {
   bool unnormalized = false;
 };
 
-// A result and how far an implementation may be from it: `slack` is what half a step of the sub-texel and of the mip fraction can change.
+// A result and how far an implementation may be from it: `slack` is what half a step of the sub-texel and of the mip fraction can
+// change.
 struct Sample {
   Colour value{};
   Colour slack{};
 };
 
-// `coordinate`: s, t, r (cubes: a direction), and the layer last where there is one (s, layer for 1D arrays; s, t, layer; direction, layer).
-// `lod` is the explicit level of detail before bias and clamps.
-Sample sample(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, double lod, double reference = 0,
-              std::array<int, 3> offset = {}, int sub_texel_bits = 8, int mip_bits = 8);
+// `coordinate`: s, t, r (cubes: a direction), and the layer last where there is one (s, layer for 1D arrays; s, t, layer;
+// direction, layer). `lod` is the explicit level of detail before bias and clamps.
+Sample sample(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, double lod,
+              double reference = 0, std::array<int, 3> offset = {}, int sub_texel_bits = 8, int mip_bits = 8);
 
 // The four texels that linear filtering of the base level would read, in gather's order; `component` 0 to 3.
-Colour gather(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, size_t component, double reference = 0,
-              std::array<int, 3> offset = {});
+Colour gather(const Texture& texture, const SamplerState& state, std::array<double, 4> coordinate, size_t component,
+              double reference = 0, std::array<int, 3> offset = {});
 
 struct FacePoint {
   int face;
