@@ -1,9 +1,11 @@
 #include "tools/errors/error_table.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
 #include "tools/error.h"
+#include "tools/errors/operands.h"
 
 namespace pineda::tools {
 namespace {
@@ -74,7 +76,7 @@ void ErrorTable::set(const MeasuredFunction& function, const std::string& column
                                   {"normal", m.normal},
                                   {"worst_ulp", m.worst_ulp},
                                   {"worst_at", operands_json(m.worst_at)},
-                                  {"worst_share_of_allowed", m.worst_share},
+                                  {"worst_share_of_allowed", std::min(m.worst_share, 1e9)},  // JSON has no infinity
                                   {"beyond", m.beyond},
                                   {"misrounded", m.misrounded},
                                   {"worst_denormal_ulp", m.worst_denormal_ulp},
@@ -86,7 +88,8 @@ std::string ErrorTable::row(const MeasuredFunction& function) const {
   const json& cells = data_.at(function.name);
   for (const ErrorColumn& column : kColumns) {
     const bool measured = cells.contains(column.name);
-    const bool sampled = measured && function.operands == 1 && !cells[column.name].at("exhaustive").get<bool>();
+    const uint64_t all = function.operands == 1 ? uint64_t{1} << 32 : uint64_t{kSampledBlocks} * SharedBlock::kElements;
+    const bool sampled = measured && cells[column.name].at("count").get<uint64_t>() < all;
     text += measured ? fmt::format(" {}{} |", cell_text(function, cells[column.name]), sampled ? " sampled" : "") : " |";
   }
   // Denormals and special values: of the default precision and lavapipe.
@@ -115,7 +118,7 @@ std::string ErrorTable::markdown() const {
   text +=
       "\n\"Other specials\": an infinity or NaN where the exact result is a number or the other of the two, and the reverse; "
       "Vulkan "
-      "leaves them open. \"sampled\": not all 2^32 operands yet, but every exponent with 2^20 significands.\n";
+      "leaves them open. \"sampled\": 2^20 operands so far, of every sign and exponent.\n";
   return text;
 }
 
