@@ -17,6 +17,11 @@ Result<void> finish(Executable& executable, CodeStore* store) {
 // Both back ends at once: generating machine code takes more than nine tenths of a cold pipeline's time.
 Result<void> finish_both(Executable& a, Executable& b, CodeStore* store) {
   Result<void> done[2];
+  if (a.is_finished() || b.is_finished()) {  // not worth a thread
+    done[0] = finish(a, store);
+    done[1] = finish(b, store);
+    return done[0] ? done[1] : done[0];
+  }
   parallel_for(2, [&](uint32_t i) { done[i] = finish(i == 0 ? a : b, store); });
   return done[0] ? done[1] : done[0];
 }

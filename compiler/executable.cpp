@@ -108,8 +108,10 @@ class BackedKernel final : public Executable {
                      static_cast<unsigned long long>(machine_ ? machine_->code().size_bytes : 0));
       }
     });
+    finished_.store(true, std::memory_order_release);
     return status_;
   }
+  bool is_finished() const override { return finished_.load(std::memory_order_acquire); }
   CodeBlob blob() const override { return blob_; }
 
  private:
@@ -157,6 +159,7 @@ class BackedKernel final : public Executable {
 
   const KernelHash hash_;
   std::once_flag once_;
+  std::atomic<bool> finished_{false};
   Result<void> status_;  // of build(); valid once `once_` has run
   std::optional<eval::Program> program_;
   std::unique_ptr<MachineCode> machine_;
@@ -211,6 +214,7 @@ class StoredKernel final : public Executable {
     return kernel;
   }
   Result<void> finish() override { return {}; }
+  bool is_finished() const override { return true; }
   CodeBlob blob() const override { return blob_; }
 
  private:

@@ -19,6 +19,7 @@ class Executable : public Kernel {
 
   // Runs the back end: `handle` is valid afterwards. Thread-safe; who comes second waits for the first and gets the same answer.
   virtual Result<void> finish() = 0;
+  virtual bool is_finished() const = 0;  // finish() would return at once
 
   // After finish(): what a CodeStore keeps of it under code_key(); null when its code cannot be kept.
   virtual std::shared_ptr<const std::string> blob() const = 0;
