@@ -211,7 +211,7 @@ std::vector<Case> same_type_cases(Op first, Op last, uint32_t operands, Type t) 
   std::vector<Case> cases;
   for (int i = static_cast<int>(first); i <= static_cast<int>(last); ++i) {
     const Op op = static_cast<Op>(i);
-    if (ir::op_info(op).operands != operands) continue;
+    if (ir::op_info(op).operands != operands || (op == Op::kMAdd16 && t != Type::kI32)) continue;
     const bool compare = ir::op_info(op).rule == ir::TypeRule::kCompare;
     cases.push_back({op, compare ? Type::kB1 : t, {t, t, t}});
   }
