@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "shaders/backdrop_vert.h"
 #include "shaders/oit_list_blend_frag.h"
 #include "shaders/oit_list_frag.h"
 #include "shaders/oit_nearest_blend_frag.h"
 #include "shaders/oit_nearest_frag.h"
 #include "shaders/oit_vert.h"
+#include "shaders/screen_vert.h"
 #include "tools/scenes/scenes.h"
 
 namespace pineda::tools {
@@ -75,12 +75,12 @@ class OitScene final : public Scene {
                                        .vertex_attributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, position)},
                                                              {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(Vertex, colour)},
                                                              {2, 0, VK_FORMAT_R32_UINT, offsetof(Vertex, card)}},
-                                       // Nothing is written, so nothing is blended; but lavapipe would take the cards for opaque
-                                       // and drop the stores of those under them (docs/differences.md).
+                                       // The shader's colour is transparent: nothing changes. Without blending, lavapipe takes
+                                       // the cards for opaque and drops the stores of those under them (docs/differences.md).
                                        .alpha_blend = true,
                                        .layout = layout_});
     blend_ = create_graphics_pipeline(context, *target_,
-                                      {.vertex_shader = backdrop_vert,
+                                      {.vertex_shader = screen_vert,
                                        .fragment_shader = lists ? Spirv(oit_list_blend_frag) : Spirv(oit_nearest_blend_frag),
                                        .layout = layout_});
   }
