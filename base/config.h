@@ -39,8 +39,8 @@ struct Config {
   std::string cache;                          // PINEDA_CACHE=off|DIR; empty = the user's cache directory
   uint32_t debug = 0;                         // DebugFlag bits
   std::string stats_file;                     // PINEDA_STATS: statistics of each pass, a line of JSON each; empty = none
-  std::string trace_file;                     // PINEDA_TRACE: what threads do when, for chrome://tracing and Perfetto; empty = none
-  std::string debug_dir;                      // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
+  std::string trace_file;  // PINEDA_TRACE: what threads do when, for chrome://tracing and Perfetto; empty = none
+  std::string debug_dir;   // PINEDA_DEBUG_DIR: dumps go to files there, otherwise to stderr
 };
 
 const Config& config();

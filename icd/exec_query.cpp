@@ -1,6 +1,6 @@
 // Execution of queries. Draws run when their pass does, so a query that ends inside of a pass has its result after it. Statistics
-// are counted by passes: a query that begins or ends in the middle of one splits it. With multiview a query is as many consecutive
-// ones as the subpass has views; each view counts in its own.
+// are counted by passes: a query that begins or ends in the middle of one splits it. With multiview a query is as many
+// consecutive ones as the subpass has views; each view counts in its own.
 #include "icd/executor.h"
 #include "icd/query_pool.h"
 

@@ -80,8 +80,8 @@ VkExtent3D max_extent(const ImageQuery& query) {
 
 namespace {
 
-// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. There are no multisampled
-// storage images.
+// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. There are no
+// multisampled storage images.
 VkSampleCountFlags sample_counts(const ImageQuery& query, VkFormatFeatureFlags features) {
   constexpr VkFormatFeatureFlags kAttachment =
       VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;

@@ -2,8 +2,8 @@
 //
 // Most formats have one plane. Depth and stencil of a format with both, and the planes of a YCbCr format, are kept apart. A
 // block-compressed image that shaders or blits may read has a decoded copy behind its blocks, in the same memory: every command
-// that writes blocks decodes them (icd/decode.h), and nothing else can write an image of optimal tiling. So views, descriptors and
-// kernels know plain formats only.
+// that writes blocks decodes them (icd/decode.h), and nothing else can write an image of optimal tiling. So views, descriptors
+// and kernels know plain formats only.
 #pragma once
 
 #include <optional>

@@ -90,7 +90,8 @@ Rect pixel_rect(const Triangle& t) {
       const Rect r = pixel_bounds(x[0], x[1], x[2], y[0], y[1], y[2]), s = pixel_bounds(x[0], x[1], x3, y[0], y[1], y3);
       return {std::min(r.x0, s.x0), std::min(r.y0, s.y0), std::max(r.x1, s.x1), std::max(r.y1, s.y1)};
     }
-    case Shape::kPixelLineX:  // at most half a pixel and the tie above and below the line, which goes on to the last column's centre
+    case Shape::kPixelLineX:  // at most half a pixel and the tie above and below the line, which goes on to the last column's
+                              // centre
       return {x[2], (std::min(y[0], y[1]) >> 8) - 1, y[2], (std::max(y[0], y[1]) >> 8) + 2};
     case Shape::kPixelLineY:
       return {(std::min(x[0], x[1]) >> 8) - 1, x[2], (std::max(x[0], x[1]) >> 8) + 2, y[2]};

@@ -77,7 +77,8 @@ void transform_wave(const ViewportTransform& viewport, const VertexOutputs& outp
   const __m128i low = _mm_packus_epi32(codes[0], codes[1]), high = _mm_packus_epi32(codes[2], codes[3]);
   _mm_store_si128(reinterpret_cast<__m128i*>(out.code + first), low);
   _mm_store_si128(reinterpret_cast<__m128i*>(out.code + first + 8), high);
-  if (outputs.clip_count + outputs.cull_count != 0) [[unlikely]] code_distances(outputs, wave, out.code + first);
+  if (outputs.clip_count + outputs.cull_count != 0) [[unlikely]]
+    code_distances(outputs, wave, out.code + first);
 }
 
 inline uint16_t VertexBatch::add_vertex(uint32_t index, uint32_t instance) {
@@ -126,8 +127,8 @@ void VertexBatch::assemble_run(const Draw& draw, uint32_t instance, uint64_t fir
   const uint32_t n = vertices_of(draw.kind);
   for (uint32_t i = 0; i < count; ++i) {
     const auto p = static_cast<uint32_t>(first + i);
-    const std::array<uint32_t, 3> v = draw.restart_prims.empty() ? primitive_vertices(packet.topology, packet.provoking_last, p)
-                                                                 : draw.restart_prims[p].vertex;
+    const std::array<uint32_t, 3> v =
+        draw.restart_prims.empty() ? primitive_vertices(packet.topology, packet.provoking_last, p) : draw.restart_prims[p].vertex;
     for (uint32_t k = 0; k < n; ++k) {
       if (reader.indexed()) {
         const uint32_t index = reader.read(uint64_t{packet.first} + v[k]) + static_cast<uint32_t>(packet.vertex_offset);
@@ -172,7 +173,8 @@ uint32_t VertexBatch::shade(const Draw& draw, uint64_t first, uint32_t count, Ch
   }
   const PrimRecord record{nullptr, 0, wave_count};
   draw.packet.vertex(draw.packet.context, &context, &record, 1, waves_);
-  for (uint32_t i = 0; i < wave_count; ++i) transform_wave(draw.viewport, draw.packet.outputs, vertices_ + i * wave_floats, window_, i * kLanes);
+  for (uint32_t i = 0; i < wave_count; ++i)
+    transform_wave(draw.viewport, draw.packet.outputs, vertices_ + i * wave_floats, window_, i * kLanes);
   return vertex_count_;
 }
 

@@ -14,7 +14,8 @@ inline constexpr uint32_t kBatchPrims = 512;
 inline constexpr uint32_t kBatchVertices = 3 * kBatchPrims;
 inline constexpr uint32_t kBatchWaves = kBatchVertices / kLanes;
 
-// A set bit: outside of this plane. Bits from kClipDistances on: a clip distance below 0; behind them the same for cull distances.
+// A set bit: outside of this plane. Bits from kClipDistances on: a clip distance below 0; behind them the same for cull
+// distances.
 enum ClipCode : uint16_t {
   kClipNear = 1,
   kClipFar = 2,
@@ -47,8 +48,8 @@ void transform_wave(const ViewportTransform& viewport, const VertexOutputs& outp
 // Assembles and shades batches; one per thread.
 class VertexBatch {
  public:
-  // Shades and transforms (to the first viewport) the vertices of `count` primitives from `first` on (numbered through the instances) and fills prims with indices of
-  // vertices of the batch. count <= kBatchPrims. Returns the number of vertices.
+  // Shades and transforms (to the first viewport) the vertices of `count` primitives from `first` on (numbered through the
+  // instances) and fills prims with indices of vertices of the batch. count <= kBatchPrims. Returns the number of vertices.
   uint32_t shade(const Draw& draw, uint64_t first, uint32_t count, Chunk& chunk, ThreadContext& context);
 
   const float* vertices() const { return vertices_; }

@@ -95,8 +95,8 @@ TEST(IcdCompute, DynamicOffsetAndIndirect) {
   EXPECT_EQ(f.out.as<uint32_t>()[96], 0u);
 }
 
-// Workgroups as large as the limits say: 1024 invocations (from a specialisation constant) and 64 KiB of shared memory, barriers in
-// loops. Sums of k * 7 + g over the 16384 words.
+// Workgroups as large as the limits say: 1024 invocations (from a specialisation constant) and 64 KiB of shared memory, barriers
+// in loops. Sums of k * 7 + g over the 16384 words.
 TEST(IcdCompute, LargestWorkgroups) {
   PipelineClient client;
   VkPhysicalDeviceProperties properties;

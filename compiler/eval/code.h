@@ -19,9 +19,9 @@ struct Step {
   ir::LaneFn fn = nullptr;  // set: fn(out, in[0], in[1], in[2]) is all there is to do
   Slot out = 0;
   std::array<Slot, ir::kMaxOperands> in{};
-  uint64_t imm = 0;                 // Inst::imm; Local accesses: the number of elements
-  std::array<uint32_t, 2> block{};  // If, Loop
-  bool for_group = false;           // If, Loop: holds a Barrier
+  uint64_t imm = 0;                  // Inst::imm; Local accesses: the number of elements
+  std::array<uint32_t, 2> block{};   // If, Loop
+  bool for_group = false;            // If, Loop: holds a Barrier
   uint64_t identity = 0, first = 0;  // Reduce: raw values of inactive lanes, and of the first lane of an exclusive scan
   ir::LaneFn combine = nullptr;      // Reduce
 };

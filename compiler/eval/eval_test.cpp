@@ -280,8 +280,8 @@ TEST(Eval, FloatReductionsHaveOneOrder) {
     Rig rig;
     rig.waves[0].mask = 0xffdf;
     Builder b = rig.builder();
-    const Value x = b.op(ir::Op::kFDiv, Type::kF32, {b.f32(1), b.convert(ir::Op::kUToF, Type::kF32,
-                                                                      b.iadd(b.imul(b.lane(), b.i32(3)), b.i32(1)))});
+    const Value x = b.op(ir::Op::kFDiv, Type::kF32,
+                         {b.f32(1), b.convert(ir::Op::kUToF, Type::kF32, b.iadd(b.imul(b.lane(), b.i32(3)), b.i32(1)))});
     Rig::put(b, b.reduce(ir::ReduceOp::kFAdd, scan, x));
     rig.run();
     std::array<float, kLanes> v;

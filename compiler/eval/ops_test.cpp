@@ -381,8 +381,8 @@ TEST(Half, FmaRoundsOnce) {
 TEST(Ops, NoneIsForgotten) {
   std::set<Op> tested = {// eval_test.cpp
                          Op::kConst, Op::kDrawPtr, Op::kThreadPtr, Op::kPrimPtr, Op::kWavePtr, Op::kLane, Op::kBallot,
-                         Op::kShuffle, Op::kReduce, Op::kBarrier, Op::kQuadSwizzle, Op::kLoad, Op::kStore, Op::kAtomic, Op::kLocal, Op::kLocalLoad, Op::kLocalStore,
-                         Op::kIf, Op::kLoop, Op::kLoopArg, Op::kYield, Op::kResult,
+                         Op::kShuffle, Op::kReduce, Op::kBarrier, Op::kQuadSwizzle, Op::kLoad, Op::kStore, Op::kAtomic,
+                         Op::kLocal, Op::kLocalLoad, Op::kLocalStore, Op::kIf, Op::kLoop, Op::kLoopArg, Op::kYield, Op::kResult,
                          // jit_call_test.cpp
                          Op::kCall,
                          // above

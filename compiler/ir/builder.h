@@ -83,8 +83,7 @@ class Builder {
 #undef PINEDA_UNARY
 #undef PINEDA_BINARY
 #undef PINEDA_COMPARE
-                                                                                              Value
-      fma(Value a, Value c, Value d) {
+                                                                                      Value fma(Value a, Value c, Value d) {
     return op(Op::kFMa, type(a), {a, c, d});
   }
   Value convert(Op op_, Type to, Value a) { return op(op_, to, {a}); }  // FToS ... Trunc

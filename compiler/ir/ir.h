@@ -16,18 +16,18 @@
 // unspecified and must not reach an effect; QuadSwizzle is the exception that reads them, and is legal only where all lanes
 // run.
 //
-// Subgroups. A wave is a subgroup. Ballot, Shuffle and Reduce look at the active lanes of the wave at this place, so no pass moves
-// them. Reduce first gives inactive lanes the operation's identity (-0.0 for FAdd, so that x op identity is x for every x but a
-// NaN; infinities for FMin and FMax), and then, in clusters of c lanes, c a power of two:
+// Subgroups. A wave is a subgroup. Ballot, Shuffle and Reduce look at the active lanes of the wave at this place, so no pass
+// moves them. Reduce first gives inactive lanes the operation's identity (-0.0 for FAdd, so that x op identity is x for every x
+// but a NaN; infinities for FMin and FMax), and then, in clusters of c lanes, c a power of two:
 //     reduce      for s = c/2, c/4 ... 1: x[l] = x[l] op x[l + s] for the lanes l with l mod 2s < s; all get the first lane's x
 //     inclusive   for s = 1, 2, 4 ... c/2: x[l] = x[l - s] op x[l] for the lanes l with l mod c >= s, all at once
 //     exclusive   x[l] = inclusive x[l - 1]; the first lane gets the identity (+0.0 for FAdd, as SPIR-V has it)
 // This order is part of the bit contract.
 //
-// Barriers. The waves of one primitive (compute: a workgroup) run one after the other, up to the next Barrier, in ascending order;
-// then all go on behind it. An If or Loop that holds a Barrier is run by the whole workgroup: its regions' parts between Barriers
-// run for each wave, under the wave's own mask, and a Loop ends when the last lane of the last wave leaves. So a Barrier that not
-// all invocations reach (undefined in SPIR-V) is as well defined as any other and cannot hang.
+// Barriers. The waves of one primitive (compute: a workgroup) run one after the other, up to the next Barrier, in ascending
+// order; then all go on behind it. An If or Loop that holds a Barrier is run by the whole workgroup: its regions' parts between
+// Barriers run for each wave, under the wave's own mask, and a Loop ends when the last lane of the last wave leaves. So a Barrier
+// that not all invocations reach (undefined in SPIR-V) is as well defined as any other and cannot hang.
 //
 // Rates. passes/rates gives each instruction the slowest rate at which its value is constant: Draw, Prim, Wave or Lane
 // (base/abi.h shows the loops). passes/hoist moves pure Draw- and Prim-rate instructions into Kernel::draw and Kernel::prim.
@@ -126,7 +126,7 @@ inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another (a
 inline constexpr uint8_t kWrap = 32;       // Load, Store: offset + lane * lane_stride wraps at 2^32
 
 inline constexpr uint32_t kMaxOperands = 5;
-inline constexpr uint64_t kMaxRecordBytes = 4096;   // of a Call
+inline constexpr uint64_t kMaxRecordBytes = 4096;  // of a Call
 
 struct Inst {
   Op op = Op::kInvalid;

@@ -7,9 +7,9 @@
 //     }
 //
 // A kernel holds arithmetic on every type with special values, selects, nested Ifs, bounded loops, Locals, checked loads and
-// stores with offsets that are partly out of range, lane strides, atomics, conversions, subgroup operations, and QuadSwizzle where
-// all lanes run. It runs over five waves of three primitives (one of them empty), with values of every rate. A seed gives one kernel in
-// every build by one compiler.
+// stores with offsets that are partly out of range, lane strides, atomics, conversions, subgroup operations, and QuadSwizzle
+// where all lanes run. It runs over five waves of three primitives (one of them empty), with values of every rate. A seed gives
+// one kernel in every build by one compiler.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct RandomKernelOptions {
   bool other_widths = true;      // I8, I16, I64, F16, F64 beside I32 and F32
   bool transcendentals = false;  // needs lower_math, which defines their bits
   bool atomics = true;
-  bool barriers = false;         // and memory that the waves of a primitive share
+  bool barriers = false;  // and memory that the waves of a primitive share
 };
 
 class RandomKernel {

@@ -17,9 +17,8 @@ struct FlagName {
   uint8_t bit;
   const char* text;
 };
-inline constexpr FlagName kFlagNames[] = {
-    {kInvariant, "invariant"}, {kSpeculate, "speculate"}, {kAllLanes, "all_lanes"}, {kNoContract, "no_contract"},
-    {kVolatile, "volatile"},   {kWrap, "wrap"}};
+inline constexpr FlagName kFlagNames[] = {{kInvariant, "invariant"},    {kSpeculate, "speculate"}, {kAllLanes, "all_lanes"},
+                                          {kNoContract, "no_contract"}, {kVolatile, "volatile"},   {kWrap, "wrap"}};
 
 // Instructions that have a %name: those with a value, and If and Loop, which Result refers to.
 inline bool is_named(const Inst& inst) { return inst.type != Type::kVoid || inst.op == Op::kIf || inst.op == Op::kLoop; }

@@ -19,11 +19,11 @@ struct WaveFrame {
   static constexpr uint32_t kNone = ~0u;
   static constexpr uint32_t kAlignmentBytes = 64;
 
-  // By value, bytes from the frame's start; kNone: not kept. LoopArgs, Results and Locals included; a LoopArg and the Result of the
-  // same number share a place when they have one rate.
+  // By value, bytes from the frame's start; kNone: not kept. LoopArgs, Results and Locals included; a LoopArg and the Result of
+  // the same number share a place when they have one rate.
   std::vector<uint32_t> offset;
-  // By If or Loop: of the 16-bit masks of a construct whose condition varies in the workgroup (If: then, else; Loop: lanes still in
-  // it), each in 8 bytes.
+  // By If or Loop: of the 16-bit masks of a construct whose condition varies in the workgroup (If: then, else; Loop: lanes still
+  // in it), each in 8 bytes.
   std::vector<uint32_t> masks;
   uint64_t bytes = 0;  // a multiple of kAlignmentBytes; 0 when the kernel has no barrier
 };

@@ -144,8 +144,8 @@ void Emitter::emit_wave_loop(V prim_record) {
   start(done);
 }
 
-// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), as do those of
-// most compute shaders, which is worth knowing: their stores and loads need no mask at the top level.
+// Every kernel's wave record begins with its mask. Fragment waves always run all lanes (abi.h: exec_mask is 0xFFFF), as do those
+// of most compute shaders, which is worth knowing: their stores and loads need no mask at the top level.
 void Emitter::emit_wave(llvm::BasicBlock* skip) {
   exec_ = {};
   if (kernel_.kind != ir::KernelKind::kFragment && !kernel_.full_waves) {
@@ -161,8 +161,8 @@ void Emitter::emit_wave(llvm::BasicBlock* skip) {
 
 // ---- dispatch -------------------------------------------------------------------------------------------------------------
 
-// LLVM's instruction selection and scheduling take more than linear time in the length of a block: 40,000 instructions in one took
-// four times as long as 20,000 in two (pineda_fuzz scale).
+// LLVM's instruction selection and scheduling take more than linear time in the length of a block: 40,000 instructions in one
+// took four times as long as 20,000 in two (pineda_fuzz scale).
 void Emitter::split_long_block() {
   constexpr uint32_t kLongBlock = 1000;
   if (++insts_since_split_ < kLongBlock) return;

@@ -120,7 +120,7 @@ uint64_t Emitter::carried_bound(ir::Value arg, uint32_t depth) const {
   const uint64_t k = kernel_.at(arg).imm;
   const auto& values = ir::yielded(kernel_, loop.region[0]);
   const ir::Inst& next = kernel_.at(values[k + 1]);
-  const ir::Inst* step = next.op == Op::kIAdd && next.operand[0] == arg ? &kernel_.at(next.operand[1])
+  const ir::Inst* step = next.op == Op::kIAdd && next.operand[0] == arg   ? &kernel_.at(next.operand[1])
                          : next.op == Op::kIAdd && next.operand[1] == arg ? &kernel_.at(next.operand[0])
                                                                           : nullptr;
   const uint64_t first = upper_bound(kernel_.lists[loop.list][k], true, depth + 1);
@@ -165,7 +165,8 @@ Emitter::Access Emitter::lane_by_lane(const Access& a) {
   std::vector<uint32_t> steps(kLanes);
   for (uint32_t l = 0; l < kLanes; ++l) steps[l] = l * a.lane_stride_bytes;
   Access each = a;
-  each.offset = b_.CreateAdd(is_vector(a.offset) ? a.offset : b_.CreateVectorSplat(kLanes, a.offset), llvm::ConstantDataVector::get(context_, steps));
+  each.offset = b_.CreateAdd(is_vector(a.offset) ? a.offset : b_.CreateVectorSplat(kLanes, a.offset),
+                             llvm::ConstantDataVector::get(context_, steps));
   each.lane_stride_bytes = 0;
   each.wraps = each.small_offset = false;
   each.offset_bound = kAny;

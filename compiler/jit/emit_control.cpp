@@ -20,8 +20,8 @@ constexpr uint32_t kFlatCost = 10;
 
 bool Emitter::is_trivial(ir::RegionId region) const { return kernel_.regions[region].insts.size() == 1; }
 
-// Whether the region may run for lanes that did not ask for it: no effects, no faults, and short. Adds up about how many instructions
-// it takes.
+// Whether the region may run for lanes that did not ask for it: no effects, no faults, and short. Adds up about how many
+// instructions it takes.
 bool Emitter::is_flat(ir::RegionId region, uint32_t* cost) const {
   constexpr uint32_t kSlow = 6;  // division, square root, scalarised operations
   for (ir::Value v : kernel_.regions[region].insts) {

@@ -1,6 +1,7 @@
-// Kernels with barriers: the wave loop is split into phases (ir/wave_frame.h), each a loop over the workgroup's waves. What a later
-// phase needs of a wave is in the wave's frame. An If or Loop that holds a barrier branches for the whole workgroup: on a scalar
-// where its condition is the workgroup's, else on whether any lane of any wave wants to, with the waves' masks in their frames.
+// Kernels with barriers: the wave loop is split into phases (ir/wave_frame.h), each a loop over the workgroup's waves. What a
+// later phase needs of a wave is in the wave's frame. An If or Loop that holds a barrier branches for the whole workgroup: on a
+// scalar where its condition is the workgroup's, else on whether any lane of any wave wants to, with the waves' masks in their
+// frames.
 #include <algorithm>
 #include <cstddef>
 
@@ -77,7 +78,8 @@ void Emitter::emit_phase(const std::vector<ir::Value>& insts, std::optional<uint
     for (uint64_t i = 0; i < 2; ++i)
       b_.CreateStore(b_.getInt16(0), b_.CreateConstGEP1_64(b_.getInt16Ty(), any_lane_[construct.id], i));
   }
-  llvm::BasicBlock *before = b_.GetInsertBlock(), *body = block("phase"), *next = block("phase.next"), *done = block("phase.done");
+  llvm::BasicBlock *before = b_.GetInsertBlock(), *body = block("phase"), *next = block("phase.next"),
+                   *done = block("phase.done");
   b_.CreateBr(body);
   start(body);
   llvm::PHINode* remaining = b_.CreatePHI(b_.getInt64Ty(), 2, "remaining");
@@ -184,9 +186,7 @@ void Emitter::store_to_frame(ir::Value v, V value, V where) {
 
 void Emitter::store_mask(uint32_t offset_bytes, V bits16) { store_at(bits16, frame_address(offset_bytes)); }
 
-void Emitter::add_to_flag(V flag, V bits16) {
-  b_.CreateStore(b_.CreateOr(b_.CreateLoad(b_.getInt16Ty(), flag), bits16), flag);
-}
+void Emitter::add_to_flag(V flag, V bits16) { b_.CreateStore(b_.CreateOr(b_.CreateLoad(b_.getInt16Ty(), flag), bits16), flag); }
 
 // ---- if and loop ----------------------------------------------------------------------------------------------------------
 
@@ -237,7 +237,8 @@ void Emitter::leave_turn(const GroupTail& tail) {
     if (is_kept(result)) next.push_back({result, get(values[kernel_.at(result).imm + 1], is_lane(result))});
   }
   for (size_t k = 0; k + 1 < values.size(); ++k) {
-    const bool done = std::ranges::any_of(next, [&](const Next& n) { return frame_.offset[n.place.id] == frame_.offset[args[k].id]; });
+    const bool done =
+        std::ranges::any_of(next, [&](const Next& n) { return frame_.offset[n.place.id] == frame_.offset[args[k].id]; });
     if (is_kept(args[k]) && !done) next.push_back({args[k], get(values[k + 1], is_lane(args[k]))});
   }
   V stay = nullptr;

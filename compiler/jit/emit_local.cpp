@@ -1,5 +1,5 @@
-// Locals: per-lane arrays on the stack (in a kernel with barriers: in the wave's frame), [count x <16 x T>], so that an element with a uniform index is one vector. Those of one
-// element, or indexed by constants only, become registers by LLVM's SROA.
+// Locals: per-lane arrays on the stack (in a kernel with barriers: in the wave's frame), [count x <16 x T>], so that an element
+// with a uniform index is one vector. Those of one element, or indexed by constants only, become registers by LLVM's SROA.
 #include "compiler/ir/walk.h"
 #include "compiler/jit/emitter.h"
 

@@ -1,4 +1,5 @@
-// Load and Store: classification of the address and the accesses that need no gather; bounds are in emit_bounds.cpp. See ir.h, "Memory".
+// Load and Store: classification of the address and the accesses that need no gather; bounds are in emit_bounds.cpp. See ir.h,
+// "Memory".
 #include "compiler/ir/walk.h"
 #include "compiler/jit/emitter.h"
 
@@ -45,7 +46,8 @@ Emitter::V Emitter::emit_load(const ir::Inst& inst) {
   return a.contiguous() ? contiguous_load(a, mask) : gather(a, mask);
 }
 
-// All lanes at once when they are in bounds and their addresses do not wrap, which one scalar comparison tells; else each by itself.
+// All lanes at once when they are in bounds and their addresses do not wrap, which one scalar comparison tells; else each by
+// itself.
 Emitter::V Emitter::consecutive_load(const Access& a, bool speculate) {
   V mask = speculate || exec_.full() ? nullptr : exec_.lanes;
   V near = is_near(a);

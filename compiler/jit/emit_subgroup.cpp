@@ -143,7 +143,8 @@ Emitter::V Emitter::emit_reduce(const ir::Inst& inst) {
   };
   if (inst.scan() == ir::Scan::kReduce) {
     for (int step = cluster / 2; step > 0; step /= 2) {
-      x = combine(op, inst.type, x, permute(x, pattern([&](int l) { return (l & ~(cluster - 1)) | ((l + step) & (cluster - 1)); })));
+      x = combine(op, inst.type, x,
+                  permute(x, pattern([&](int l) { return (l & ~(cluster - 1)) | ((l + step) & (cluster - 1)); })));
     }
     return permute(x, pattern([&](int l) { return l & ~(cluster - 1); }));
   }
@@ -153,7 +154,8 @@ Emitter::V Emitter::emit_reduce(const ir::Inst& inst) {
     x = b_.CreateShuffleVector(combined, x, pattern([&](int l) { return (l & (cluster - 1)) >= step ? l : lanes + l; }));
   }
   if (inst.scan() == ir::Scan::kInclusive) return x;
-  V first = broadcast_value(emit_constant({.op = ir::Op::kConst, .type = inst.type, .imm = ir::reduce_identity(op, inst.type, true)}));
+  V first =
+      broadcast_value(emit_constant({.op = ir::Op::kConst, .type = inst.type, .imm = ir::reduce_identity(op, inst.type, true)}));
   return b_.CreateShuffleVector(x, first, pattern([&](int l) { return (l & (cluster - 1)) == 0 ? lanes + l : l - 1; }));
 }
 

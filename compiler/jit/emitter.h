@@ -70,12 +70,12 @@ class Emitter {
     uint32_t lane_stride_bytes = 0, size_bytes = 0;
     llvm::Type* element = nullptr;
     bool invariant = false;
-    bool base_readable = false;  // reading an element at `base` itself never faults
-    bool wraps = false;          // ir::kWrap
-    bool small_offset = false;   // known to be below 2^31 - 8
+    bool base_readable = false;          // reading an element at `base` itself never faults
+    bool wraps = false;                  // ir::kWrap
+    bool small_offset = false;           // known to be below 2^31 - 8
     uint64_t offset_bound = 0xffffffff;  // the largest offset of an active lane
-    bool uniform() const;        // one address for all lanes
-    bool contiguous() const;     // consecutive lanes are consecutive elements
+    bool uniform() const;                // one address for all lanes
+    bool contiguous() const;             // consecutive lanes are consecutive elements
   };
 
   // Sixteen addresses: base + zero-extended offset, or given in full.
@@ -209,7 +209,7 @@ class Emitter {
   V load_at(llvm::Type* type, V address_i64, bool invariant);
   void store_at(V value, V address_i64);
   V first_address(const Access& a);  // i64, of lane 0
-  V zeros_address();  // i64, of 16 zero bytes
+  V zeros_address();                 // i64, of 16 zero bytes
   void mark_invariant(llvm::Instruction* load, bool invariant);
 
   // ---- emit_bounds.cpp
@@ -315,9 +315,9 @@ class Emitter {
   std::map<std::pair<llvm::Type*, std::string>, V> slots_;
   uint32_t insts_since_split_ = 0;
   Exec exec_;
-  std::vector<std::pair<ir::Value, uint64_t>> facts_;      // value, what it is at most in active lanes here
-  std::unordered_map<uint32_t, ir::Value> loop_of_arg_;    // LoopArgs of the Loops around
-  const std::vector<bool> with_barriers_;  // by region
+  std::vector<std::pair<ir::Value, uint64_t>> facts_;    // value, what it is at most in active lanes here
+  std::unordered_map<uint32_t, ir::Value> loop_of_arg_;  // LoopArgs of the Loops around
+  const std::vector<bool> with_barriers_;                // by region
   const ir::WaveFrame frame_;
   V group_frames_ = nullptr, group_waves_ = nullptr, group_count_ = nullptr;  // i64: of the workgroup at hand
   V frame_ptr_ = nullptr;                                                     // i64: of the wave at hand

@@ -54,8 +54,8 @@ class ComputeStage final : public Stage {
     return b.load(Type::kI32, b.prim_ptr(), static_cast<uint32_t>(offsetof(WorkgroupRecord, id) + 4 * axis), kFixed);
   }
 
-  // first_invocation is a multiple of 16. Where waves are rows of the workgroup, or whole rows fill waves, each axis is the sum of a
-  // uniform value and a constant vector, which makes y and z of a wide workgroup scalars, and addresses contiguous.
+  // first_invocation is a multiple of 16. Where waves are rows of the workgroup, or whole rows fill waves, each axis is the sum
+  // of a uniform value and a constant vector, which makes y and z of a wide workgroup scalars, and addresses contiguous.
   static bool is_power_of_two(uint32_t x) { return (x & (x - 1)) == 0; }
 
   static Value divide(Builder& b, Value x, uint32_t y) {

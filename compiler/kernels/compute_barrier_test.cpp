@@ -1,5 +1,5 @@
-// Workgroups of many waves: barriers in every place, shared memory, local sizes. Each shader runs in the evaluator and on every ISA
-// and is compared with the answer worked out here.
+// Workgroups of many waves: barriers in every place, shared memory, local sizes. Each shader runs in the evaluator and on every
+// ISA and is compared with the answer worked out here.
 #include <numeric>
 
 #include "compiler/kernels/compute_rig.h"
@@ -52,8 +52,8 @@ TEST(ComputeBarrier, LocalInvocationId) {
                                                 {1, 16, 2}, {1, 1, 40}, {5, 3, 2},  {8, 3, 1}, {7, 1, 1}, {12, 4, 1}};
   for (const auto& [x, y, z] : kSizes) {
     ComputeRig rig{.buffers = {Words(x * y * z)}};
-    const std::string size = "local_size_x = " + std::to_string(x) + ", local_size_y = " + std::to_string(y) +
-                             ", local_size_z = " + std::to_string(z);
+    const std::string size =
+        "local_size_x = " + std::to_string(x) + ", local_size_y = " + std::to_string(y) + ", local_size_z = " + std::to_string(z);
     ASSERT_EQ(rig.run(shader(size, "", "uvec3 l = gl_LocalInvocationID; d[i] = l.x | l.y << 10 | l.z << 20;")), "");
     for (uint32_t i = 0; i < x * y * z; ++i) {
       ASSERT_EQ(rig.buffers[0][i], i % x | i / x % y << 10 | i / (x * y) << 20) << size << " " << i;
@@ -136,8 +136,7 @@ TEST(ComputeBarrier, DivergentBarriersEnd) {
 TEST(ComputeBarrier, EverythingLivesOn) {
   ComputeRig rig{.buffers = {counted(64)}};
   const Words in = counted(64);
-  ASSERT_EQ(rig.run(shader("local_size_x = 64",
-                           R"(struct A { vec3 p; uint k[2]; bool b; }; shared A s[64]; shared mat3 m;)",
+  ASSERT_EQ(rig.run(shader("local_size_x = 64", R"(struct A { vec3 p; uint k[2]; bool b; }; shared A s[64]; shared mat3 m;)",
                            R"(uint own[5]; for (uint k = 0u; k < 5u; ++k) own[k] = d[i] + k * i;
     bool odd = (d[i] & 1u) == 1u; float x = float(d[i] & 255u) * 0.25; A mine = A(vec3(x, -x, 2.0 * x), uint[2](i, d[i]), odd);
     s[63u - i] = mine; if (i < 3u) m[i] = vec3(i, i + 1u, i + 2u); barrier();
@@ -154,10 +153,11 @@ TEST(ComputeBarrier, EverythingLivesOn) {
 
 TEST(ComputeBarrier, SharedMemoryIsSafe) {
   ComputeRig rig{.buffers = {Words(64, 1)}};
-  ASSERT_EQ(rig.run(shader("local_size_x = 64", "shared uint s[16]; shared uint guard[4];", R"(if (i < 4u) guard[i] = 7u; barrier();
+  ASSERT_EQ(
+      rig.run(shader("local_size_x = 64", "shared uint s[16]; shared uint guard[4];", R"(if (i < 4u) guard[i] = 7u; barrier();
     uint far = 0xfffffff0u + i * 3u; s[far & 0x3fffffffu] = 9u; atomicAdd(s[far], 1u); barrier();
     d[i] = s[i + 4000u] + guard[i & 3u] * 10u + atomicOr(s[0x10000000u + i], 5u);)")),
-            "");
+      "");
   for (uint32_t v : rig.buffers[0]) EXPECT_EQ(v % 10, 0u);
 }
 

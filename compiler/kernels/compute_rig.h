@@ -19,9 +19,7 @@ struct ComputeRig {
   bool optimize = true;  // false: the kernel as the translator leaves it
 
   // `buffers` then holds the evaluator's result. The error, or empty.
-  std::string run(const std::string& glsl) {
-    return run_words(spirv::test::glsl(VK_SHADER_STAGE_COMPUTE_BIT, glsl, target));
-  }
+  std::string run(const std::string& glsl) { return run_words(spirv::test::glsl(VK_SHADER_STAGE_COMPUTE_BIT, glsl, target)); }
   std::string run_words(const std::vector<uint32_t>& words) {
     const auto module = spirv::parse(
         {.words = words, .entry_point = "main", .stage = VK_SHADER_STAGE_COMPUTE_BIT, .specialization = specialization});

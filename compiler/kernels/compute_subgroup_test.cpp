@@ -1,5 +1,5 @@
-// GLSL's KHR_shader_subgroup_* functions against their definitions, with all lanes active, with some (divergent control flow), and
-// in a wave that is not full; each also by the JIT on every ISA against the evaluator.
+// GLSL's KHR_shader_subgroup_* functions against their definitions, with all lanes active, with some (divergent control flow),
+// and in a wave that is not full; each also by the JIT on every ISA against the evaluator.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -41,7 +41,8 @@ void check(const std::vector<Case>& cases) {
     }
     text += "layout(local_size_x = " + std::to_string(kInvocations) +
             ") in; layout(std430, binding = 0) buffer In { uint d[]; }; layout(std430, binding = 1) buffer Out { uint o[]; };\n"
-            "void main() { uint i = gl_LocalInvocationIndex, l = gl_SubgroupInvocationID; uint v = d[i]; float f = float(v & 1023u) / "
+            "void main() { uint i = gl_LocalInvocationIndex, l = gl_SubgroupInvocationID; uint v = d[i]; float f = float(v & "
+            "1023u) / "
             "8.0; if (" +
             std::string(condition) + ") {\n";
     for (size_t c = 0; c < cases.size(); ++c) {
@@ -155,17 +156,23 @@ TEST(ComputeSubgroup, Arithmetic) {
       {"subgroupAdd(v)", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 0u, add); }},
       {"subgroupInclusiveAdd(v)", [=](const Wave& w, uint32_t l) { return fold(w, 0, l + 1, 0u, add); }},
       {"subgroupExclusiveAdd(v)", [=](const Wave& w, uint32_t l) { return fold(w, 0, l, 0u, add); }},
-      {"subgroupMul(v | 1u)", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 1u, [](uint32_t a, uint32_t b) { return a * (b | 1); }); }},
+      {"subgroupMul(v | 1u)",
+       [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 1u, [](uint32_t a, uint32_t b) { return a * (b | 1); }); }},
       {"subgroupMin(v)", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, ~0u, minimum); }},
       {"subgroupExclusiveMin(v)", [=](const Wave& w, uint32_t l) { return fold(w, 0, l, ~0u, minimum); }},
-      {"uint(subgroupMax(int(v * 77777u)))", [=](const Wave& w, uint32_t) { return static_cast<uint32_t>(fold(w, 0, 16, INT32_MIN, smax)); }},
+      {"uint(subgroupMax(int(v * 77777u)))",
+       [=](const Wave& w, uint32_t) { return static_cast<uint32_t>(fold(w, 0, 16, INT32_MIN, smax)); }},
       {"subgroupAnd(v)", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, ~0u, bits(std::bit_and<>())); }},
       {"subgroupInclusiveOr(v)", [=](const Wave& w, uint32_t l) { return fold(w, 0, l + 1, 0u, bits(std::bit_or<>())); }},
       {"subgroupXor(v)", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 0u, bits(std::bit_xor<>())); }},
-      {"subgroupXor((v & 4u) != 0u) ? 4u : 0u", [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 0u, bits(std::bit_xor<>())) & 4; }},
-      {"subgroupExclusiveAnd((v & 4u) != 0u) ? 4u : 0u", [=](const Wave& w, uint32_t l) { return fold(w, 0, l, ~0u, bits(std::bit_and<>())) & 4; }},
-      {"subgroupClusteredAdd(v, 4u)", [=](const Wave& w, uint32_t l) { return fold(w, cluster(l, 4), cluster(l, 4) + 4, 0u, add); }},
-      {"subgroupClusteredMin(v, 8u)", [=](const Wave& w, uint32_t l) { return fold(w, cluster(l, 8), cluster(l, 8) + 8, ~0u, minimum); }},
+      {"subgroupXor((v & 4u) != 0u) ? 4u : 0u",
+       [=](const Wave& w, uint32_t) { return fold(w, 0, 16, 0u, bits(std::bit_xor<>())) & 4; }},
+      {"subgroupExclusiveAnd((v & 4u) != 0u) ? 4u : 0u",
+       [=](const Wave& w, uint32_t l) { return fold(w, 0, l, ~0u, bits(std::bit_and<>())) & 4; }},
+      {"subgroupClusteredAdd(v, 4u)",
+       [=](const Wave& w, uint32_t l) { return fold(w, cluster(l, 4), cluster(l, 4) + 4, 0u, add); }},
+      {"subgroupClusteredMin(v, 8u)",
+       [=](const Wave& w, uint32_t l) { return fold(w, cluster(l, 8), cluster(l, 8) + 8, ~0u, minimum); }},
       {"subgroupClusteredXor(v, 1u)", [=](const Wave& w, uint32_t l) { return w.in[l]; }},
   });
 }
@@ -177,10 +184,13 @@ TEST(ComputeSubgroup, FloatArithmetic) {
   const auto maximum = [](float a, uint32_t b) { return std::max(a, float_of(b)); };
   check({
       {"floatBitsToUint(subgroupAdd(f))", [=](const Wave& w, uint32_t) { return word_of(fold(w, 0, 16, 0.0f, add)); }},
-      {"floatBitsToUint(subgroupInclusiveAdd(f))", [=](const Wave& w, uint32_t l) { return word_of(fold(w, 0, l + 1, 0.0f, add)); }},
+      {"floatBitsToUint(subgroupInclusiveAdd(f))",
+       [=](const Wave& w, uint32_t l) { return word_of(fold(w, 0, l + 1, 0.0f, add)); }},
       {"floatBitsToUint(subgroupExclusiveAdd(f))", [=](const Wave& w, uint32_t l) { return word_of(fold(w, 0, l, 0.0f, add)); }},
-      {"floatBitsToUint(subgroupMin(vec2(f, -f)).x)", [=](const Wave& w, uint32_t) { return word_of(fold(w, 0, 16, INFINITY, minimum)); }},
-      {"floatBitsToUint(subgroupExclusiveMax(f))", [=](const Wave& w, uint32_t l) { return word_of(fold(w, 0, l, -INFINITY, maximum)); }},
+      {"floatBitsToUint(subgroupMin(vec2(f, -f)).x)",
+       [=](const Wave& w, uint32_t) { return word_of(fold(w, 0, 16, INFINITY, minimum)); }},
+      {"floatBitsToUint(subgroupExclusiveMax(f))",
+       [=](const Wave& w, uint32_t l) { return word_of(fold(w, 0, l, -INFINITY, maximum)); }},
       {"floatBitsToUint(subgroupMul((l & 1u) == 1u ? 2.0 : 1.0))",
        [=](const Wave& w, uint32_t) { return word_of(static_cast<float>(1 << std::popcount(w.active & 0xaaaa))); }},
       {"floatBitsToUint(subgroupClusteredMax(f, 2u))",

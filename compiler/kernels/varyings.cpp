@@ -41,10 +41,11 @@ constexpr uint32_t kFirstBuiltInLocation = 1024;
 constexpr struct {
   spirv::BuiltIn built_in;
   uint32_t location;
-} kBuiltInLocations[] = {
-    {spirv::BuiltIn::kClipDistance, kFirstBuiltInLocation}, {spirv::BuiltIn::kCullDistance, kFirstBuiltInLocation + 2},
-    {spirv::BuiltIn::kPointSize, kFirstBuiltInLocation + 4}, {spirv::BuiltIn::kLayer, kFirstBuiltInLocation + 5},
-    {spirv::BuiltIn::kViewportIndex, kFirstBuiltInLocation + 6}};
+} kBuiltInLocations[] = {{spirv::BuiltIn::kClipDistance, kFirstBuiltInLocation},
+                         {spirv::BuiltIn::kCullDistance, kFirstBuiltInLocation + 2},
+                         {spirv::BuiltIn::kPointSize, kFirstBuiltInLocation + 4},
+                         {spirv::BuiltIn::kLayer, kFirstBuiltInLocation + 5},
+                         {spirv::BuiltIn::kViewportIndex, kFirstBuiltInLocation + 6}};
 
 }  // namespace
 

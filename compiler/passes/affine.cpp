@@ -1,6 +1,6 @@
 // Addresses that grow by one element from lane to lane become a uniform offset and a lane stride: one vector access instead of a
-// gather or scatter, and one scalar bounds check instead of sixteen. The offset may wrap at 2^32 between two lanes, as the original
-// arithmetic could: the access is marked kWrap, and the back end looks whether it does.
+// gather or scatter, and one scalar bounds check instead of sixteen. The offset may wrap at 2^32 between two lanes, as the
+// original arithmetic could: the access is marked kWrap, and the back end looks whether it does.
 #include <optional>
 
 #include "base/abi.h"
@@ -88,8 +88,8 @@ class Rewriter {
     }
   }
 
-  // The value at lane 0, for values that have a factor; unset: 0. New instructions go in front of the access: what `v` was made of
-  // is visible wherever `v` is.
+  // The value at lane 0, for values that have a factor; unset: 0. New instructions go in front of the access: what `v` was made
+  // of is visible wherever `v` is.
   Value uniform(Value v) {
     if (!varies(v)) return v;
     const Inst inst = kernel_.at(v);

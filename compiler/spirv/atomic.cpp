@@ -20,7 +20,8 @@ Pointer atomic_pointer(Translator& t, const Instruction& inst, uint32_t word) {
 
 void run(Translator& t, const Instruction& inst, AtomicOp op, Value value, Value comparand = {}) {
   const Pointer p = atomic_pointer(t, inst, 3);
-  t.define(inst, Values{t.effect_value(ir::Type::kI32, [&] { return t.b.atomic(op, t.atomic_address(inst, p), value, comparand); })});
+  t.define(inst,
+           Values{t.effect_value(ir::Type::kI32, [&] { return t.b.atomic(op, t.atomic_address(inst, p), value, comparand); })});
 }
 
 template <AtomicOp kOp>

@@ -448,11 +448,17 @@ TEST(SpirvFlow, ManyEarlyExits) {
   std::string returns, loop;
   for (uint32_t i = 0; i < kExits; ++i) {
     const std::string k = std::to_string(i);
-    returns += "uint v" + k + " = r + " + k + "u; if ((r ^ x) % 997u == " + k + "u) return v" + k + " + 5000u; r = r * 5u + v" + k + ";\n";
-    loop += "r = r * 3u + i; if (r % 389u == " + k + "u) " + (i % 3 == 0 ? "continue" : i % 3 == 1 ? "break" : "return r") + ";\n";
+    returns += "uint v" + k + " = r + " + k + "u; if ((r ^ x) % 997u == " + k + "u) return v" + k + " + 5000u; r = r * 5u + v" +
+               k + ";\n";
+    loop += "r = r * 3u + i; if (r % 389u == " + k + "u) " +
+            (i % 3 == 0   ? "continue"
+             : i % 3 == 1 ? "break"
+                          : "return r") +
+            ";\n";
   }
   const std::string functions = "uint f(uint x) { uint r = x;\n" + returns + "return r; }\n" +
-                                "uint g(uint x) { uint r = x + 7u; for (uint i = 0u; i < 5u; ++i) {\n" + loop + "} return r + 1u; }\n";
+                                "uint g(uint x) { uint r = x + 7u; for (uint i = 0u; i < 5u; ++i) {\n" + loop +
+                                "} return r + 1u; }\n";
   const Words out = compute("d[lane] = f(lane); d[lane + 16u] = g(lane);", Words(32), "uint", functions);
   for (uint32_t x = 0; x < 16; ++x) {
     const auto f = [&] {
@@ -487,7 +493,8 @@ TEST(SpirvFlow, ManyEarlyExits) {
 TEST(SpirvFlow, DeepNests) {
   constexpr uint32_t kDepth = 1000;
   std::string body = "uint r = lane;";
-  for (uint32_t i = 0; i < kDepth; ++i) body += "if (r % " + std::to_string(i % 7 + 2) + "u != 9u) { r += " + std::to_string(i) + "u;\n";
+  for (uint32_t i = 0; i < kDepth; ++i)
+    body += "if (r % " + std::to_string(i % 7 + 2) + "u != 9u) { r += " + std::to_string(i) + "u;\n";
   const Words out = compute(body + std::string(kDepth, '}') + " d[lane] = r;", Words(16));
   for (uint32_t x = 0; x < 16; ++x) EXPECT_EQ(out[x], x + kDepth * (kDepth - 1) / 2);
 }

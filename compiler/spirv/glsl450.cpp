@@ -32,7 +32,11 @@ template <Op kOp>
 void t2(Translator& t, const Instruction& inst) {
   glsl_map2<true>(t, inst, [&](Value a, Value c) {
     return in_f32(
-        t, inst, [&](Value x, Value y) { return t.b.op(kOp, ir::Type::kF32, {x, y}); }, a, c);
+        t, inst,
+        [&](Value x, Value y) {
+          return t.b.op(kOp, ir::Type::kF32, {x, y});
+        },
+        a, c);
   });
 }
 template <Op kOp>
@@ -69,9 +73,8 @@ void degrees(Translator& t, const Instruction& inst) {
   glsl_map1<true>(t, inst, [&](Value a) { return t.fmul(a, number(t, a, 180 / std::numbers::pi)); });
 }
 void inverse_sqrt(Translator& t, const Instruction& inst) {
-  glsl_map1<true>(t, inst, [&](Value a) {
-    return t.b.type(a) == ir::Type::kF32 ? t.b.frsqrt(a) : t.b.fdiv(number(t, a, 1), t.b.fsqrt(a));
-  });
+  glsl_map1<true>(
+      t, inst, [&](Value a) { return t.b.type(a) == ir::Type::kF32 ? t.b.frsqrt(a) : t.b.fdiv(number(t, a, 1), t.b.fsqrt(a)); });
 }
 
 Value n_min(Translator& t, Value a, Value c) { return t.b.select(t.b.fne(a, a), c, t.b.fmin(a, c)); }
@@ -82,7 +85,8 @@ void f_clamp(Translator& t, const Instruction& inst) {
 }
 // Vulkan, "Precision of Individual Operations": x * (1 - a) + y * a, exact at both ends.
 void f_mix(Translator& t, const Instruction& inst) {
-  glsl_map3<true>(t, inst, [&](Value x, Value y, Value a) { return t.fadd(t.fmul(x, t.fsub(number(t, a, 1), a)), t.fmul(y, a)); });
+  glsl_map3<true>(t, inst,
+                  [&](Value x, Value y, Value a) { return t.fadd(t.fmul(x, t.fsub(number(t, a, 1), a)), t.fmul(y, a)); });
 }
 void step(Translator& t, const Instruction& inst) {
   glsl_map2<true>(t, inst, [&](Value edge, Value x) { return t.b.select(t.b.flt(x, edge), number(t, x, 0), number(t, x, 1)); });
@@ -112,8 +116,7 @@ uint64_t top_bit(Translator& t, Value a) { return 8 * ir::size_bytes(t.b.type(a)
 Value most_significant(Translator& t, Value a) { return t.b.isub(integer(t, a, top_bit(t, a)), t.b.clz(a)); }  // -1 for 0
 
 void find_i_lsb(Translator& t, const Instruction& inst) {
-  find_bit(t, inst,
-           [&](Value a) { return t.b.select(t.b.ieq(a, integer(t, a, 0)), integer(t, a, ~0ull), t.b.ctz(a)); });
+  find_bit(t, inst, [&](Value a) { return t.b.select(t.b.ieq(a, integer(t, a, 0)), integer(t, a, ~0ull), t.b.ctz(a)); });
 }
 void find_u_msb(Translator& t, const Instruction& inst) {
   find_bit(t, inst, [&](Value a) { return most_significant(t, a); });

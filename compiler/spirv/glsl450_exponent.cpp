@@ -52,9 +52,7 @@ Value signed_resize(Translator& t, Value v, Type to) {
   return t.b.convert(ir::size_bytes(to) < ir::size_bytes(t.b.type(v)) ? ir::Op::kTrunc : ir::Op::kSExt, to, v);
 }
 
-Value widened(Translator& t, Value x) {
-  return t.b.type(x) == Type::kF16 ? t.b.convert(ir::Op::kFConvert, Type::kF32, x) : x;
-}
+Value widened(Translator& t, Value x) { return t.b.type(x) == Type::kF16 ? t.b.convert(ir::Op::kFConvert, Type::kF32, x) : x; }
 
 void ldexp(Translator& t, const Instruction& inst) {
   Values x = glsl_operand(t, inst, 0, true);

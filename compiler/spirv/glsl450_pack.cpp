@@ -72,8 +72,8 @@ void pack_double(Translator& t, const Instruction& inst) {
 
 void unpack_double(Translator& t, const Instruction& inst) {
   const Value bits = t.b.bitcast(Type::kI64, t.scalar(inst, kFirstOperand, Type::kF64));
-  t.define(inst, Values{t.b.convert(Op::kTrunc, Type::kI32, bits),
-                        t.b.convert(Op::kTrunc, Type::kI32, t.b.lshr(bits, t.b.i64(32)))});
+  t.define(inst,
+           Values{t.b.convert(Op::kTrunc, Type::kI32, bits), t.b.convert(Op::kTrunc, Type::kI32, t.b.lshr(bits, t.b.i64(32)))});
 }
 
 constexpr ExtRow kRows[] = {

@@ -370,8 +370,7 @@ void subpass_read(Translator& t, const Instruction& inst, const Opaque& o, const
 
 void read(Translator& t, const Instruction& inst) {
   const Opaque o = t.opaque(inst, 3);
-  if (const ImageType& image = image_type(t, inst, o); image.dim == spv::DimSubpassData)
-    return subpass_read(t, inst, o, image);
+  if (const ImageType& image = image_type(t, inst, o); image.dim == spv::DimSubpassData) return subpass_read(t, inst, o, image);
   const ImageAccess a = access_for(t, inst, 3, 4, 5);
   const std::optional<Texel> texel = t.stage.image_load(t.b, a);
   if (!texel) inst.fail("this image cannot be read here");

@@ -207,7 +207,8 @@ void list_entries(Module& m, Variable& v) {
   for (size_t i = 0; i < entries.size(); ++i) {
     const bool wanted = is_input || v.written_scalars[i] || v.initializer != 0;
     if (!entries[i].scalar) {
-      if (wanted && !(is_input && entries[i].is_zero)) fail("BuiltIn " + std::to_string(entries[i].unknown_built_in) + " is not supported.", v.offset_words);
+      if (wanted && !(is_input && entries[i].is_zero))
+        fail("BuiltIn " + std::to_string(entries[i].unknown_built_in) + " is not supported.", v.offset_words);
       continue;
     }
     const InterfaceScalar& s = *entries[i].scalar;

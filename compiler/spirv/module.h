@@ -177,9 +177,9 @@ std::vector<SwitchCase> switch_cases(const Module& m, const Instruction& inst); 
 
 // The parts of parse(), in the order in which it calls them.
 void check_support(Module& m, const Instruction& inst);  // support.cpp: capabilities, memory model
-void check_execution_mode(const Instruction& inst);     // support.cpp
-void decorate(Module& m, const Instruction& inst);      // decorations.cpp
-void declare_type(Module& m, const Instruction& inst);  // types.cpp
+void check_execution_mode(const Instruction& inst);      // support.cpp
+void decorate(Module& m, const Instruction& inst);       // decorations.cpp
+void declare_type(Module& m, const Instruction& inst);   // types.cpp
 void declare_constant(Module& m, const Instruction& inst,
                       std::span<const SpecializationConstant> specialization);  // constants.cpp
 Constant fold_spec_op(const Module& m, const Instruction& inst);                // spec_op.cpp

@@ -48,8 +48,8 @@ void width(Translator& t, const Instruction& inst) {
 
 // ---- barriers ----
 
-// A workgroup of one wave runs in lockstep: every lane has done what stands before the barrier. The same holds for a barrier whose
-// execution scope is the subgroup.
+// A workgroup of one wave runs in lockstep: every lane has done what stands before the barrier. The same holds for a barrier
+// whose execution scope is the subgroup.
 void control_barrier(Translator& t, const Instruction& inst) {
   t.found().uses_barriers = true;
   if (t.m.stage != VK_SHADER_STAGE_COMPUTE_BIT) return;

@@ -208,8 +208,9 @@ TEST(SpirvStage, Refusals) {
   EXPECT_EQ(error_of(kVertex, good), "");
   EXPECT_NE(error_of(kFragment, good).find("entry point"), std::string::npos);
   EXPECT_NE(error_of(kVertex, good, "other").find("\"other\""), std::string::npos);
-  const std::string sparse = "#extension GL_ARB_sparse_texture2 : require\nlayout(set = 0, binding = 0) uniform sampler2D s;"
-                             "void main() { vec4 c; sparseTextureARB(s, vec2(0.5), c); gl_Position = c; }";
+  const std::string sparse =
+      "#extension GL_ARB_sparse_texture2 : require\nlayout(set = 0, binding = 0) uniform sampler2D s;"
+      "void main() { vec4 c; sparseTextureARB(s, vec2(0.5), c); gl_Position = c; }";
   EXPECT_NE(error_of(kVertex, glsl(kVertex, sparse)).find("SparseResidency"), std::string::npos);
   Words version = good;
   version[1] = 0x00020000;

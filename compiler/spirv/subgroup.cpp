@@ -1,6 +1,6 @@
 // Subgroup instructions. A subgroup is a wave of 16 lanes; what is active is what the control flow says, helper invocations
-// included, but not what OpKill ended. Vectors go component by component. Results that SPIR-V leaves undefined (a source lane that
-// is inactive or does not exist) are what ir.h's Shuffle gives.
+// included, but not what OpKill ended. Vectors go component by component. Results that SPIR-V leaves undefined (a source lane
+// that is inactive or does not exist) are what ir.h's Shuffle gives.
 #include <algorithm>
 
 #include "base/abi.h"

@@ -97,7 +97,7 @@ class FakeStage final : public StageInterface {
   Input input_value = [](uint32_t, const InterfaceScalar&) { return 0u; };
   static constexpr uint32_t kShared = 9000;
   std::map<uint32_t, Buffer> buffers;  // key: set * 100 + binding * 10 + array index; 9999: push constants
-  std::vector<AddressRange> ranges;  // what physical pointers may reach
+  std::vector<AddressRange> ranges;    // what physical pointers may reach
   uint32_t active = 0xffff, coverage = 0xffff;
   Words shared;
   std::vector<SampleRequest> samples;
@@ -142,8 +142,8 @@ class FakeStage final : public StageInterface {
       return out;
     }
     const auto part = [&](ir::Value v) { return v ? v : b.f32(0); };
-    return std::array<ir::Value, 4>{part(r.coord[0]), b.fadd(part(r.coord[1]), b.fmul(b.f32(10), part(r.coord[2]))), part(r.lod ? r.lod : r.bias),
-                                    part(r.depth_reference)};
+    return std::array<ir::Value, 4>{part(r.coord[0]), b.fadd(part(r.coord[1]), b.fmul(b.f32(10), part(r.coord[2]))),
+                                    part(r.lod ? r.lod : r.bias), part(r.depth_reference)};
   }
   std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const ImageQuery& q) override {
     queries.push_back(q);

@@ -15,8 +15,8 @@ using Values = std::vector<ir::Value>;  // one for each scalar, see module.h "Fl
 // Bounds on the IR that one translation may make (functions are inlined, so a small module can ask for much).
 inline constexpr uint32_t kMaxInstructions = 1u << 20;  // SPIR-V instructions, counted at each inlining
 inline constexpr uint32_t kMaxIrInstructions = 1u << 22;
-inline constexpr uint32_t kMaxVars = 1u << 18;         // scalar variables
-inline constexpr uint32_t kMaxArrayBytes = 1u << 17;   // of a lane's dynamically indexed arrays
+inline constexpr uint32_t kMaxVars = 1u << 18;          // scalar variables
+inline constexpr uint32_t kMaxArrayBytes = 1u << 17;    // of a lane's dynamically indexed arrays
 inline constexpr uint32_t kMaxValueScalars = 1u << 22;  // of all values
 inline constexpr uint32_t kMaxNesting = 2200;  // Ifs and Loops: twice SPIR-V's limit of 1023 constructs (2.17), and some calls
 
@@ -29,11 +29,11 @@ struct Pointer {
   uint32_t type = 0;      // the pointer's own type id; 0 until it is defined
   uint32_t pointee = 0;   // type id
   spv::StorageClass storage = spv::StorageClassFunction;
-  uint32_t offset = 0;         // static part
-  ir::Value index;             // dynamic part of the offset, same unit; or unset
-  uint32_t descriptor = 0;     // element of an array of descriptors
-  ir::Value descriptor_index;  // or, when that is not constant, this
-  ir::Value base, size_bytes;  // Ptr and I32 when there is no variable
+  uint32_t offset = 0;                        // static part
+  ir::Value index;                            // dynamic part of the offset, same unit; or unset
+  uint32_t descriptor = 0;                    // element of an array of descriptors
+  ir::Value descriptor_index;                 // or, when that is not constant, this
+  ir::Value base, size_bytes;                 // Ptr and I32 when there is no variable
   uint32_t index_alignment_bytes = 1u << 31;  // a power of two that divides the dynamic part
   uint32_t matrix_stride_bytes = 0;           // of the struct member that holds the matrix; 0 = none
   bool row_major = false;
@@ -49,8 +49,7 @@ struct Opaque {
 
 class Translator {
  public:
-  Translator(const Module& module, ir::Builder& builder, StageInterface& stage)
-      : m(module), b(builder), stage(stage) {}
+  Translator(const Module& module, ir::Builder& builder, StageInterface& stage) : m(module), b(builder), stage(stage) {}
 
   Translation run();
   // The values of one instruction whose operands are constants.
@@ -92,10 +91,10 @@ class Translator {
   void store(const Instruction& inst, const Pointer& to, const Values& values);
   ir::Address address(const Instruction& inst, const Pointer& to, uint32_t extra_bytes = 0);  // of memory counted in bytes
   ir::Address atomic_address(const Instruction& inst, const Pointer& to);  // of an aligned scalar, whatever the pointer says
-  BufferRef buffer(const Instruction& inst, const Pointer& p);     // of a descriptor or the push constants
-  BufferRef memory_of(const Instruction& inst, const Pointer& p);  // of anything counted in bytes
-  bool is_writable(const Pointer& p) const;     // of a buffer: a storage buffer
-  void declare_local(const Instruction& inst);  // OpVariable in a function
+  BufferRef buffer(const Instruction& inst, const Pointer& p);             // of a descriptor or the push constants
+  BufferRef memory_of(const Instruction& inst, const Pointer& p);          // of anything counted in bytes
+  bool is_writable(const Pointer& p) const;                                // of a buffer: a storage buffer
+  void declare_local(const Instruction& inst);                             // OpVariable in a function
 
   // ---- effects and lanes ----
   bool is_fragment() const { return m.stage == VK_SHADER_STAGE_FRAGMENT_BIT; }
@@ -123,7 +122,7 @@ class Translator {
   struct Record {
     RecordKind kind = RecordKind::kNone;
     ir::RegionId region = 0;
-    uint32_t detail = 0;           // index in pointers_ or opaques_
+    uint32_t detail = 0;  // index in pointers_ or opaques_
     // kPointer: {index, descriptor_index, base, size_bytes}, kOpaque: those of image and sampler; each may be unset
     Values values;
     std::vector<ir::Var> escaped;  // filled when it is used where `region` is closed; parallel to values

@@ -79,7 +79,8 @@ void Translator::input_variable(const Instruction& inst, const Variable& v) {
     }
     const ir::Value low = stage.input(b, *entries[i].scalar);
     const ir::Value high = entries[i].high ? stage.input(b, *entries[i].high) : ir::Value{};
-    const bool fits = low && b.type(low) == entries[i].scalar->type && (!entries[i].high || (high && b.type(high) == ir::Type::kI32));
+    const bool fits =
+        low && b.type(low) == entries[i].scalar->type && (!entries[i].high || (high && b.type(high) == ir::Type::kI32));
     if (!fits) inst.fail("this input is not available here");
     memory.store(b, inst, i, {}, from_words(memory.type(i), low, high));
   }

@@ -34,12 +34,13 @@ struct Kernel {
 class KernelRow final : public BenchRow {
  public:
   KernelRow(VkContext& context, Kernel kernel)
-      : context_(context), kernel_(std::move(kernel)), descriptors_(context, 1, static_cast<uint32_t>(kernel_.buffer_words.size())) {
+      : context_(context),
+        kernel_(std::move(kernel)),
+        descriptors_(context, 1, static_cast<uint32_t>(kernel_.buffer_words.size())) {
     std::vector<Binding> bindings;
     for (uint32_t i = 0; i < kernel_.buffer_words.size(); ++i) {
       bindings.push_back({i, kStorage, VK_SHADER_STAGE_COMPUTE_BIT});
-      buffers_.push_back(
-          create_buffer(context, kernel_.buffer_words[i] * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+      buffers_.push_back(create_buffer(context, kernel_.buffer_words[i] * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
       words_.push_back(reinterpret_cast<uint32_t*>(buffers_[i].mapped));
       std::fill_n(words_[i], kernel_.buffer_words[i], 0);
     }
@@ -134,7 +135,8 @@ std::unique_ptr<BenchRow> make_transcendentals_row(VkContext& context, VkExtent2
     constexpr double kTolerance = 1e-2;  // sin and cos may be off by 2^-11 (Vulkan, "Precision"), which the turns do not enlarge
     for (uint32_t i = 0; i < kCount; i += 4099) {
       double v = i / 65536.0 - 8;
-      for (uint32_t t = 0; t < kTurns; ++t) v = 0.25 * (std::sin(v) + std::cos(v) + std::exp2(-v * v)) + 0.1 * std::log2(1.5 + v * v);
+      for (uint32_t t = 0; t < kTurns; ++t)
+        v = 0.25 * (std::sin(v) + std::cos(v) + std::exp2(-v * v)) + 0.1 * std::log2(1.5 + v * v);
       if (!(std::abs(x[i] - v) < kTolerance)) fail("transcendentals: {} instead of {} at {}", x[i], v, i);
     }
   };
