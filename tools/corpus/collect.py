@@ -3,8 +3,7 @@
 
 usage: collect.py OUT [--per-folder N] [--jobs N]
 
-Sources: piglit's GLSL tests (shader_test files and plain ones) and its SPIR-V, glmark2's shaders, and the FFTs that VkFFT's header
-generates (fft.cpp writes them). Desktop GLSL is not Vulkan GLSL: what is only spelled differently is respelled here, and glslang's
+Sources: piglit's GLSL tests (shader_test files and plain ones) and its SPIR-V, and glmark2's shaders. Desktop GLSL is not Vulkan GLSL: what is only spelled differently is respelled here, and glslang's
 relaxed rules do the rest; what it still refuses, or makes of it against
 spirv-val's judgement, is counted and left out. Of generated folders with hundreds of near copies every
 k-th file is taken, so that at most N remain; the choice does not depend on the machine.
