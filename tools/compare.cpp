@@ -121,7 +121,7 @@ class Comparer {
     for (size_t i = 0; i + 1 < options_.drivers.size(); ++i) {
       if (const auto difference = difference_of(stem, scene.runs[i], reference)) {
         scene.differences.push_back(*difference);
-        check_thresholds(*difference, scene.problems);
+        check_thresholds(*difference, scene);
       }
     }
     if (!options_.truth) return;
@@ -140,12 +140,14 @@ class Comparer {
     return difference;
   }
 
-  void check_thresholds(const Difference& difference, std::vector<std::string>& problems) const {
+  void check_thresholds(const Difference& difference, SceneComparison& scene) const {
+    std::vector<std::string>& problems = scene.problems;
     const ImageMetrics& metrics = difference.metrics;
-    if (metrics.within_one_share < options_.threshold_share) {
+    const SceneInfo* known = find_scene(scene.name);
+    const double wanted_share = known ? std::min(options_.threshold_share, known->explained_share) : options_.threshold_share;
+    if (metrics.within_one_share < wanted_share) {
       problems.push_back(fmt::format("{}: {} of the pixels are within 1/255 of {}, {:g} % are wanted", difference.driver,
-                                     percent_text(metrics.within_one_share), difference.reference,
-                                     100 * options_.threshold_share));
+                                     percent_text(metrics.within_one_share), difference.reference, 100 * wanted_share));
     }
     if (options_.largest_difference && metrics.largest_difference > *options_.largest_difference) {
       problems.push_back(fmt::format("{}: the largest difference from {} is {}/255, at most {}/255 is wanted", difference.driver,

@@ -15,6 +15,8 @@ struct SceneInfo {
   const char* description;
   std::unique_ptr<Scene> (*create)();
   const char* model_path;  // of the named models, else null
+  // Of the pixels, how many are within 1/255 of lavapipe's at least, where docs/differences.md explains why not all are; else 1.
+  double explained_share = 1;
 };
 
 std::span<const SceneInfo> known_scenes();
