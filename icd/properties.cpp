@@ -31,7 +31,10 @@ void fill(VkPhysicalDeviceIDProperties& to) {
 void fill(VkPhysicalDeviceSubgroupProperties& to) {
   to.subgroupSize = kLanes;
   to.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
-  to.supportedOperations = VK_SUBGROUP_FEATURE_BASIC_BIT;
+  to.supportedOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                           VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT |
+                           VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT | VK_SUBGROUP_FEATURE_CLUSTERED_BIT |
+                           VK_SUBGROUP_FEATURE_QUAD_BIT;
   to.quadOperationsInAllStages = VK_FALSE;
 }
 
