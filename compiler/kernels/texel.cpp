@@ -41,7 +41,7 @@ Value decode_ufloat(Builder& b, uint32_t bits, Value code) { return decode_float
 // base/format_pack.cpp's ufloat.
 Value encode_ufloat(Builder& b, uint32_t bits, Value value) {
   const uint32_t mantissa_bits = bits - 5, shift = 23 - mantissa_bits, infinity = 31u << mantissa_bits;
-  const Value x = b.fmax(b.f32(0), value);  // NaN gives 0 for now
+  const Value x = b.fmax(b.f32(0), value);  // NaN gives 0 until the select below
   const Value word = raw_bits(b, b.fmin(x, b.f32(65536)));
   const Value odd = b.and_(b.lshr(word, b.i32(shift)), b.i32(1));
   const Value rounded = b.lshr(b.iadd(b.iadd(word, b.i32((1u << (shift - 1)) - 1)), odd), b.i32(shift));
