@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/paths.h"
+
 namespace pineda {
 namespace {
 
@@ -37,7 +39,7 @@ bool is_astc(const FormatInfo& format) {
 TEST(BlockCodec, AgreesWithOtherDecodersBitForBit) {
   std::map<std::string, const FormatInfo*> formats;
   for (const FormatInfo& format : all_formats()) formats[format.name] = &format;
-  std::ifstream file(PINEDA_SOURCE_DIR "/tests/block_vectors/blocks.txt");
+  std::ifstream file(tests::source_dir() + "/tests/block_vectors/blocks.txt");
   std::map<std::string, int> tested, failed;
   for (std::string name, block_text, hash_text; file >> name >> block_text >> hash_text;) {
     const FormatInfo& format = *formats.at(name);

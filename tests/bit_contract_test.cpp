@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/paths.h"
 #include "tests/process.h"
 
 namespace pineda::tests {
 namespace {
 
-const std::string kCommand = PINEDA_BUILD_DIR "/pineda";
-const std::string kGolden = kCommand + " golden " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt";
+const std::string kCommand = build_dir() + "/pineda";
+const std::string kGolden = kCommand + " golden " + source_dir() + "/tests/golden/scenes.txt";
 
 bool cpu_has(const std::vector<std::string>& wanted) {
   std::ifstream cpuinfo("/proc/cpuinfo");

@@ -4,45 +4,44 @@
 #include <sstream>
 #include <string>
 
+#include "tests/paths.h"
 #include "tests/process.h"
 
 namespace pineda::tests {
 namespace {
 
-const std::string kCommand = PINEDA_BUILD_DIR "/pineda";
+const std::string kCommand = build_dir() + "/pineda";
 
 TEST(Clients, VulkaninfoListsTheDriver) {
-  const ProcessResult result =
-      run_process("VK_DRIVER_FILES=" PINEDA_BUILD_DIR "/pineda_icd.json VK_ICD_FILENAMES=" PINEDA_BUILD_DIR
-                  "/pineda_icd.json vulkaninfo --summary");
+  const ProcessResult result = run_process("VK_DRIVER_FILES=" + build_dir() + "/pineda_icd.json VK_ICD_FILENAMES=" + build_dir() +
+                                           "/pineda_icd.json vulkaninfo --summary");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_NE(result.output.find("deviceName         = Pineda"), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("PHYSICAL_DEVICE_TYPE_CPU"), std::string::npos) << result.output;
 }
 
 TEST(Clients, ScenesAreCleanUnderTheValidationLayer) {
-  const ProcessResult result = run_process(kCommand + " golden --validate " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt");
+  const ProcessResult result = run_process(kCommand + " golden --validate " + source_dir() + "/tests/golden/scenes.txt");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
 }
 
 TEST(Clients, ScenesAreCleanUnderSynchronizationValidation) {
   const ProcessResult result = run_process("VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT " +
-                                           kCommand + " golden --validate " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt");
+                                           kCommand + " golden --validate " + source_dir() + "/tests/golden/scenes.txt");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
 }
 
 // The quick ones of `./run clients`; what is not installed is skipped, and its row says so.
 TEST(Clients, OtherPeoplesProgramsWork) {
-  const ProcessResult result =
-      run_process(PINEDA_SOURCE_DIR "/tests/clients/run_clients.sh " PINEDA_BUILD_DIR " " PINEDA_BUILD_DIR
-                                    "/clients-test vulkaninfo vkcube_wayland gfxrecon");
+  const ProcessResult result = run_process(source_dir() + "/tests/clients/run_clients.sh " + build_dir() + " " + build_dir() +
+                                           "/clients-test vulkaninfo vkcube_wayland gfxrecon");
   EXPECT_EQ(result.exit_status, 0) << result.output;
 }
 
 TEST(Clients, OnlyTheLoaderInterfaceIsExported) {
-  const ProcessResult result = run_process("nm -D --defined-only --format=posix " PINEDA_BUILD_DIR "/libvk_pineda.so");
+  const ProcessResult result = run_process("nm -D --defined-only --format=posix " + build_dir() + "/libvk_pineda.so");
   ASSERT_EQ(result.exit_status, 0) << result.output;
   std::istringstream lines(result.output);
   int count = 0;

@@ -15,13 +15,15 @@
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
 
+#include "tests/paths.h"
+
 namespace pineda::test {
 
 using NegotiateFn = VkResult (*)(uint32_t*);
 using GetProcFn = PFN_vkVoidFunction (*)(VkInstance, const char*);
 
 inline void* driver_symbol(const char* name) {
-  static void* const library = dlopen(PINEDA_BUILD_DIR "/libvk_pineda.so", RTLD_NOW | RTLD_LOCAL);
+  static void* const library = dlopen((tests::build_dir() + "/libvk_pineda.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   EXPECT_NE(library, nullptr) << dlerror();
   return library ? dlsym(library, name) : nullptr;
 }

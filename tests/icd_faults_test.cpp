@@ -161,9 +161,9 @@ TEST(IcdFaults, LoadedAndUnloadedAHundredTimes) {
   char folder[] = "/tmp/pineda-unload-XXXXXX";
   ASSERT_NE(mkdtemp(folder), nullptr);
   const std::string copy = std::string(folder) + "/libvk_pineda.so";
-  ASSERT_EQ(symlink(PINEDA_BUILD_DIR "/libpineda_jit.so", (std::string(folder) + "/libpineda_jit.so").c_str()), 0);
+  ASSERT_EQ(symlink((tests::build_dir() + "/libpineda_jit.so").c_str(), (std::string(folder) + "/libpineda_jit.so").c_str()), 0);
   {
-    std::ifstream from(PINEDA_BUILD_DIR "/libvk_pineda.so", std::ios::binary);
+    std::ifstream from(tests::build_dir() + "/libvk_pineda.so", std::ios::binary);
     std::ofstream(copy, std::ios::binary) << from.rdbuf();
   }
   size_t mappings = 0;

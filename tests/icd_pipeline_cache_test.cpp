@@ -9,6 +9,7 @@
 
 #include "icd_pipeline_client.h"
 #include "icd_shaders.h"
+#include "tests/paths.h"
 #include "tests/process.h"
 
 namespace pineda::test {
@@ -217,8 +218,8 @@ TEST(IcdPipelines, AFailedOneLeavesTheOthers) {
 TEST(IcdDiskCache, KeepsTheBits) {
   const fs::path directory = fs::temp_directory_path() / ("pineda-api-cache-" + std::to_string(getpid()));
   fs::remove_all(directory);
-  const std::string command =
-      "PINEDA_CACHE=" + directory.string() + " " PINEDA_BUILD_DIR "/pineda golden " PINEDA_SOURCE_DIR "/tests/golden/scenes.txt";
+  const std::string command = "PINEDA_CACHE=" + directory.string() + " " + tests::build_dir() + "/pineda golden " +
+                              tests::source_dir() + "/tests/golden/scenes.txt";
   const auto draw = [&] {
     const tests::ProcessResult result = tests::run_process(command);
     EXPECT_EQ(result.exit_status, 0) << result.output;
