@@ -97,6 +97,16 @@ struct DrawIndexedIndirect {
   VkDeviceSize offset;
   uint32_t draw_count, stride;
 };
+struct DrawIndirectCountKHR {
+  DrawIndirect draws;  // at most draws.draw_count
+  const Buffer* count_buffer;
+  VkDeviceSize count_offset;
+};
+struct DrawIndexedIndirectCountKHR {
+  DrawIndexedIndirect draws;
+  const Buffer* count_buffer;
+  VkDeviceSize count_offset;
+};
 struct Dispatch {
   std::array<uint32_t, 3> count;
 };

@@ -182,4 +182,21 @@ void Executor::execute(const cmd::DrawIndexedIndirect& c) {
   }
 }
 
+// A count past the buffer's end is none.
+void Executor::execute(const cmd::DrawIndirectCountKHR& c) {
+  uint32_t count;
+  if (!c.count_buffer->read(c.count_offset, &count)) return;
+  cmd::DrawIndirect draws = c.draws;
+  draws.draw_count = std::min(draws.draw_count, count);
+  execute(draws);
+}
+
+void Executor::execute(const cmd::DrawIndexedIndirectCountKHR& c) {
+  uint32_t count;
+  if (!c.count_buffer->read(c.count_offset, &count)) return;
+  cmd::DrawIndexedIndirect draws = c.draws;
+  draws.draw_count = std::min(draws.draw_count, count);
+  execute(draws);
+}
+
 }  // namespace pineda::icd

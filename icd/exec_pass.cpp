@@ -58,6 +58,7 @@ void set_resolve(raster::Attachment& to, const compiler::KernelPtr& kernel, cons
   to.resolve = kernel->handle;
   to.resolve_address = target.address;
   to.resolve_row_pitch_bytes = target.row_pitch_bytes;
+  to.resolve_layer_pitch_bytes = target.layer_pitch_bytes;
 }
 
 raster::Attachment attachment(const cmd::BeginRenderPass& begin, const SubpassAttachment& use, uint32_t layer) {
@@ -142,7 +143,7 @@ VkAttachmentLoadOp Executor::load_of(const SubpassAttachment& use, VkAttachmentL
   return first;
 }
 
-// Begins the subpass for one view: layer `view` of the attachments. Without multiview that is layer 0.
+// Begins the subpass for one view: layer `view` of the attachments. Without multiview that is all layers, from 0 on.
 void Executor::begin_view(uint32_t view) {
   const Subpass& subpass = begin_->render_pass->subpass(subpass_);
   view_ = view;
@@ -150,18 +151,17 @@ void Executor::begin_view(uint32_t view) {
   pass_desc_.extent = begin_->extent;
   pass_desc_.render_area = clip(begin_->area, pass_desc_.extent);
   pass_desc_.samples = std::max(1u, subpass.samples);
+  pass_desc_.layers = start_ ? 1 : begin_->layer_count;
   pass_desc_.color_count = subpass.color_count;
-  for (const SubpassAttachment& use : subpass.cleared_first) clear_layers(use, 0);
+  for (const SubpassAttachment& use : subpass.cleared_first) clear_first(use);
   for (uint32_t i = 0; i < subpass.color_count; ++i) {
     pass_desc_.color[i] = attachment(*begin_, subpass.color[i], view);
     pass_desc_.color[i].load = load_of(subpass.color[i], &SubpassAttachment::load);
-    clear_layers(subpass.color[i], 1);
   }
   pass_desc_.depth = attachment(*begin_, subpass.depth, view);
   pass_desc_.depth.load = load_of(subpass.depth, &SubpassAttachment::load);
   pass_desc_.stencil = stencil_attachment(*begin_, subpass.depth, view);
   pass_desc_.stencil.load = load_of(subpass.depth, &SubpassAttachment::stencil_load);
-  clear_layers(subpass.depth, 1);
   pass_.emplace(device_.pool, pass_desc_);
   dirty_ |= kPacket | kContext;  // the pipeline is held against the new attachments
 }
@@ -213,9 +213,8 @@ void Executor::split_subpass(uint32_t samples) {
   dirty_ |= kPacket;
 }
 
-// Layers from `first` on: without a geometry shader all primitives go to layer 0, so of the others only the load operation shows.
-void Executor::clear_layers(const SubpassAttachment& use, uint32_t first) {
-  if (use.index == VK_ATTACHMENT_UNUSED) return;
+// The clears of an attachment that the subpass reads: before it, in memory.
+void Executor::clear_first(const SubpassAttachment& use) {
   const ImageView& view = begin_->view(use.index);
   const VkClearValue value = clear_value(*begin_, use.index);
   const VkRect2D rect = clip(begin_->area, begin_->extent);
@@ -226,11 +225,8 @@ void Executor::clear_layers(const SubpassAttachment& use, uint32_t first) {
     clear(view.attachment(layer), load_of(use, &SubpassAttachment::load));
     clear(view.stencil_attachment(layer), load_of(use, &SubpassAttachment::stencil_load));
   };
-  if (start_) {  // multiview: the layer of this view is the only one
-    if (first == 0) clear_layer(view_);
-    return;
-  }
-  for (uint32_t layer = first; layer < begin_->layer_count; ++layer) clear_layer(layer);
+  if (start_) return clear_layer(view_);  // multiview: the layer of this view is the only one
+  for (uint32_t layer = 0; layer < begin_->layer_count; ++layer) clear_layer(layer);
 }
 
 void Executor::execute(const cmd::BeginRenderPass& command) {
@@ -260,16 +256,7 @@ void Executor::execute(const cmd::EndRenderPass&) {
 void Executor::clear_attachment(uint32_t index, const SubpassAttachment& use, const VkClearValue& value,
                                 std::span<const VkClearRect> rects) {
   if (use.index == VK_ATTACHMENT_UNUSED) return;
-  const ImageView& view = begin_->view(use.index);
-  for (const VkClearRect& rect : rects) {
-    if (rect.baseArrayLayer == 0 && rect.layerCount > 0) pass_->clear(index, value, {&rect.rect, 1});
-    for (uint32_t i = 0; i < rect.layerCount; ++i) {
-      const uint32_t layer = rect.baseArrayLayer + i;
-      if (layer == 0 || layer >= begin_->layer_count) continue;
-      const raster::Attachment to = index == raster::Pass::kStencil ? view.stencil_attachment(layer) : view.attachment(layer);
-      if (to.address) fill_attachment(device_.pool, to, clip(rect.rect, begin_->extent), value);
-    }
-  }
+  for (const VkClearRect& rect : rects) pass_->clear(index, value, {&rect.rect, 1}, rect.baseArrayLayer, rect.layerCount);
 }
 
 void Executor::execute(const cmd::ClearAttachments& command) {

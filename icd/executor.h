@@ -61,7 +61,7 @@ class Executor {
   void run_pass();
   void end_subpass();
   void split_subpass(uint32_t samples);
-  void clear_layers(const SubpassAttachment& use, uint32_t first);
+  void clear_first(const SubpassAttachment& use);
   void clear_attachment(uint32_t index, const SubpassAttachment& use, const VkClearValue& value,
                         std::span<const VkClearRect> rects);
 

@@ -186,6 +186,8 @@ raster::Attachment ImageView::plane_attachment(const ImagePlane& plane, VkFormat
   attachment.format = format;
   attachment.samples = image_.sample_count;
   attachment.sample_pitch_bytes = plane.layout.level[base_level_].slice_pitch_bytes;
+  attachment.layer_pitch_bytes =
+      layers_are_slices_ ? plane.layout.level[base_level_].slice_pitch_bytes : plane.layout.layer_pitch_bytes;
   return attachment;
 }
 

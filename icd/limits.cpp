@@ -25,6 +25,7 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .wideLines = VK_TRUE,
     .largePoints = VK_TRUE,
     .alphaToOne = VK_TRUE,
+    .multiViewport = VK_TRUE,           // chosen by the vertex shader: VK_EXT_shader_viewport_index_layer
     .samplerAnisotropy = VK_TRUE,       // probes along the longer axis (kernels/sample_lod.cpp)
     .textureCompressionETC2 = VK_TRUE,  // icd/decode.h
     .textureCompressionASTC_LDR = VK_TRUE,
@@ -47,6 +48,8 @@ constexpr VkPhysicalDeviceFeatures kFeatures = {
     .shaderInt64 = VK_TRUE,
     .shaderInt16 = VK_TRUE,
     .shaderResourceMinLod = VK_TRUE,
+    .variableMultisampleRate = VK_TRUE,  // exec_draw.cpp splits the subpass
+    .inheritedQueries = VK_TRUE,         // the executor's queries are active across command buffers
 };
 
 constexpr VkPhysicalDeviceLimits kLimits = {
@@ -99,7 +102,7 @@ constexpr VkPhysicalDeviceLimits kLimits = {
     .maxDrawIndirectCount = 0xFFFFFFFFu,
     .maxSamplerLodBias = 16,
     .maxSamplerAnisotropy = 16,  // kernels::kMaxAnisotropy
-    .maxViewports = 1,
+    .maxViewports = kMaxViewports,
     .maxViewportDimensions = {16384, 16384},
     .viewportBoundsRange = {-32768, 32767},
     .viewportSubPixelBits = 8,  // viewports are floats; positions are snapped after the transform

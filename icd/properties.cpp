@@ -103,6 +103,14 @@ void fill(VkPhysicalDeviceProvokingVertexPropertiesEXT& to) {
   to.transformFeedbackPreservesTriangleFanProvokingVertex = VK_FALSE;  // no transform feedback
 }
 
+// What resolve.cpp has a kernel for; depth and stencil are resolved apart (render_pass.cpp).
+void fill(VkPhysicalDeviceDepthStencilResolveProperties& to) {
+  to.supportedDepthResolveModes =
+      VK_RESOLVE_MODE_SAMPLE_ZERO_BIT | VK_RESOLVE_MODE_AVERAGE_BIT | VK_RESOLVE_MODE_MIN_BIT | VK_RESOLVE_MODE_MAX_BIT;
+  to.supportedStencilResolveModes = VK_RESOLVE_MODE_SAMPLE_ZERO_BIT | VK_RESOLVE_MODE_MIN_BIT | VK_RESOLVE_MODE_MAX_BIT;
+  to.independentResolveNone = to.independentResolve = VK_TRUE;
+}
+
 // The one table: structure type -> the function that fills it.
 struct PropertyRow {
   VkStructureType type;
@@ -129,6 +137,7 @@ constexpr PropertyRow kRows[] = {
     row<VkPhysicalDeviceSamplerFilterMinmaxProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_FILTER_MINMAX_PROPERTIES),
     row<VkPhysicalDeviceLineRasterizationPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_PROPERTIES_EXT),
     row<VkPhysicalDeviceProvokingVertexPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_PROPERTIES_EXT),
+    row<VkPhysicalDeviceDepthStencilResolveProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DEPTH_STENCIL_RESOLVE_PROPERTIES),
     row<VkPhysicalDeviceTimelineSemaphoreProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_PROPERTIES),
 };
 

@@ -50,6 +50,24 @@ void api::CmdDrawIndexedIndirect(VkCommandBuffer handle, VkBuffer buffer, VkDevi
   });
 }
 
+void api::CmdDrawIndirectCountKHR(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, VkBuffer count_buffer,
+                                  VkDeviceSize count_offset, uint32_t max_draw_count, uint32_t stride) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DrawIndirectCountKHR{{from(buffer), offset, max_draw_count, stride}, from(count_buffer), count_offset});
+    cb.add_cost(cost::kUnknown_ns);
+  });
+}
+
+void api::CmdDrawIndexedIndirectCountKHR(VkCommandBuffer handle, VkBuffer buffer, VkDeviceSize offset, VkBuffer count_buffer,
+                                         VkDeviceSize count_offset, uint32_t max_draw_count, uint32_t stride) {
+  CommandBuffer& cb = *from(handle);
+  cb.record([&] {
+    cb.append(cmd::DrawIndexedIndirectCountKHR{{from(buffer), offset, max_draw_count, stride}, from(count_buffer), count_offset});
+    cb.add_cost(cost::kUnknown_ns);
+  });
+}
+
 void api::CmdDispatch(VkCommandBuffer handle, uint32_t x, uint32_t y, uint32_t z) {
   CommandBuffer& cb = *from(handle);
   cb.record([&] {

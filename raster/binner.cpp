@@ -6,6 +6,7 @@ namespace pineda::raster {
 
 void Binner::begin(const TileGrid& grid) {
   grid_ = &grid;
+  first_tile_ = 0;
   if (tiles_.size() < grid.count()) tiles_.resize(grid.count());  // entries are always left in their initial state
   touched_.clear();
   pairs_.clear();
@@ -38,14 +39,14 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
   const uint32_t x0 = static_cast<uint32_t>(bounds.x0) >> shift, x1 = static_cast<uint32_t>(bounds.x1 - 1) >> shift;
   const uint32_t y0 = static_cast<uint32_t>(bounds.y0) >> shift, y1 = static_cast<uint32_t>(bounds.y1 - 1) >> shift;
   if (x0 == x1 && y0 == y1) {  // nearly all triangles; a cover inside one tile is not worth finding
-    push(draw, y0 * grid_->columns + x0, index, false);
+    push(draw, first_tile_ + y0 * grid_->columns + x0, index, false);
     return;
   }
   for (uint32_t y = y0; y <= y1; ++y) {
     for (uint32_t x = x0; x <= x1; ++x) {
       const TileCover cover = tile_cover(*grid_, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
       if (cover == TileCover::kNone) continue;
-      const uint32_t tile = y * grid_->columns + x;
+      const uint32_t tile = first_tile_ + y * grid_->columns + x;
       push(draw, tile, index, cover == TileCover::kFull && rect.contains(grid_->rect(tile)));
     }
   }
@@ -55,7 +56,7 @@ void Binner::add_rect(const Draw& draw, uint32_t index, const Rect& bounds) {
   const uint32_t shift = grid_->shift;
   for (uint32_t y = static_cast<uint32_t>(bounds.y0) >> shift; y <= static_cast<uint32_t>(bounds.y1 - 1) >> shift; ++y) {
     for (uint32_t x = static_cast<uint32_t>(bounds.x0) >> shift; x <= static_cast<uint32_t>(bounds.x1 - 1) >> shift; ++x) {
-      push(draw, y * grid_->columns + x, index, false);
+      push(draw, first_tile_ + y * grid_->columns + x, index, false);
     }
   }
 }

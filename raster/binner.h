@@ -9,17 +9,21 @@
 
 namespace pineda::raster {
 
-// Tiles of the framebuffer, row by row.
+// Tiles of the framebuffer, row by row, layer by layer.
 struct TileGrid {
   int32_t tile_px = 64;
   uint32_t shift = 6;  // log2(tile_px)
-  uint32_t columns = 0, rows = 0;
+  uint32_t columns = 0, rows = 0, layers = 1;
   uint32_t samples = 1;  // of a pixel
   Rect area;             // pixels of the render area inside the framebuffer
 
-  uint32_t count() const { return columns * rows; }
+  uint32_t per_layer() const { return columns * rows; }
+  uint32_t count() const { return per_layer() * layers; }
+  uint32_t layer(uint32_t tile) const { return layers == 1 ? 0 : tile / per_layer(); }
+  int32_t x_px(uint32_t tile) const { return static_cast<int32_t>(tile % columns) * tile_px; }
+  int32_t y_px(uint32_t tile) const { return static_cast<int32_t>(tile / columns % rows) * tile_px; }
   Rect rect(uint32_t tile) const {  // the tile's pixels in the render area
-    const auto x = static_cast<int32_t>(tile % columns) * tile_px, y = static_cast<int32_t>(tile / columns) * tile_px;
+    const int32_t x = x_px(tile), y = y_px(tile);
     return intersect({x, y, x + tile_px, y + tile_px}, area);
   }
 };
@@ -27,6 +31,8 @@ struct TileGrid {
 class Binner {
  public:
   void begin(const TileGrid& grid);
+  // Where what follows goes. Without attachments all layers share their tiles: there is nothing to keep apart.
+  void set_layer(uint32_t layer) { first_tile_ = layer < grid_->layers ? layer * grid_->per_layer() : 0; }
   // Bins a triangle whose covered pixels lie in `bounds` (not empty, inside the rectangle that its viewport may draw).
   void add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds, const Rect& rect);
   // Bins a rectangle (a clear).
@@ -47,6 +53,7 @@ class Binner {
   void push(const Draw& draw, uint32_t tile, uint32_t index, bool covers);
 
   const TileGrid* grid_ = nullptr;
+  uint32_t first_tile_ = 0;  // of the layer
   std::vector<PerTile> tiles_;
   std::vector<uint32_t> touched_;
   PodBuffer<Pair> pairs_;

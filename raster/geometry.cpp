@@ -10,8 +10,6 @@
 namespace pineda::raster {
 namespace {
 
-constexpr uint32_t kAllPlanes = 0xFFFF & ~kClipDrop;
-
 // Clip codes that cut nothing.
 uint32_t cull_distance_codes(const VertexOutputs& outputs) {
   return (((1u << outputs.cull_count) - 1) * kClipDistances) << outputs.clip_count;
@@ -116,26 +114,30 @@ void GeometryWorker::setup_outline(const Draw& draw, const BatchView& view, uint
   }
 }
 
-void GeometryWorker::begin_clip_batch(const Draw& draw, uint32_t viewport) {
-  clip_draw_ = &draw;
-  clip_viewport_ = viewport;
-  clip_used_ = 0;
-  const size_t floats = size_t{kClipBatchVertices} * draw.packet.vertex_slots;
-  clip_vertices_ = static_cast<float*>(chunk_->vertices.allocate(floats * sizeof(float)));
+// A batch with room for `vertices` more. Batches of one draw share a block of memory.
+void GeometryWorker::begin_clip_batch(const Draw& draw, Route route, uint32_t vertices) {
+  if (clip_draw_ != &draw || clip_used_ + vertices > kClipBatchVertices) {
+    clip_draw_ = &draw;
+    clip_used_ = 0;
+    const size_t floats = size_t{kClipBatchVertices} * draw.packet.vertex_slots;
+    clip_vertices_ = static_cast<float*>(chunk_->vertices.allocate(floats * sizeof(float)));
+  } else if (clip_route_ == route) {
+    return;
+  }
+  clip_route_ = route;
   clip_batch_ = static_cast<uint32_t>(chunk_->batches.size());
-  chunk_->batches.push_back({&draw, clip_vertices_, viewport});
+  chunk_->batches.push_back({&draw, clip_vertices_, route.viewport, route.layer});
 }
 
 // Copies the clipper's `count` vertices, and behind them `extra` if there is one, to the batch of clipped vertices, in fresh
 // waves from vertex `first` on.
-GeometryWorker::BatchView GeometryWorker::add_clipped(const Draw& draw, uint32_t viewport, uint32_t count, const float* extra,
+GeometryWorker::BatchView GeometryWorker::add_clipped(const Draw& draw, Route route, uint32_t count, const float* extra,
                                                       uint16_t& first) {
   const uint32_t slots = draw.packet.vertex_slots, total = count + (extra ? 1 : 0);
   const uint32_t padded = (total + kLanes - 1) / kLanes * kLanes;
-  if (clip_draw_ != &draw || clip_viewport_ != viewport || clip_used_ + padded > kClipBatchVertices)
-    begin_clip_batch(draw, viewport);
+  begin_clip_batch(draw, route, padded);
   first = static_cast<uint16_t>(clip_used_);
-  const BatchView view{&clip_window_, clip_vertices_, slots, clip_batch_, viewport};
+  const BatchView view{&clip_window_, clip_vertices_, slots, clip_batch_, route.viewport, route.layer};
   for (uint32_t i = 0; i < padded; ++i) {  // spare lanes repeat the first vertex
     float* to = clip_vertices_ + size_t{(first + i) / kLanes} * slots * kLanes + (first + i) % kLanes;
     for (uint32_t s = 0; s < slots; ++s) {
@@ -143,26 +145,22 @@ GeometryWorker::BatchView GeometryWorker::add_clipped(const Draw& draw, uint32_t
     }
   }
   for (uint32_t i = 0; i < padded; i += kLanes) {
-    transform_wave(draw.viewport_at(viewport), draw.packet.outputs, clip_vertices_ + size_t{first + i} * slots, clip_window_,
-                   first + i);
+    transform_wave(draw.viewport_at(route.viewport), draw.packet.outputs, clip_vertices_ + size_t{first + i} * slots,
+                   clip_window_, first + i);
   }
   clip_used_ += padded;
   return view;
 }
 
-// A primitive that needs more than its vertices' window coordinates: it crosses a plane, or goes to another viewport than its
-// batch. codes: of its vertices together.
-void GeometryWorker::clip(const Draw& draw, uint32_t viewport, uint32_t primitive_id, uint32_t codes,
-                          std::array<const float*, 3> vertex) {
+// A line or triangle that crosses a plane.
+void GeometryWorker::clip(const Draw& draw, const BatchView& whole, uint32_t primitive_id, const std::array<uint16_t, 3>& v) {
   const bool is_line = draw.kind == PrimitiveKind::kLine;
-  uint32_t count = 1;
-  if (draw.kind == PrimitiveKind::kPoint) vertex[1] = vertex[2] = vertex[0];  // not clipped, but copied
-  if (is_line) {
-    count = clipper_.clip_line(draw, draw.viewport_at(viewport), codes, vertex.data());
-  } else {
-    count = clipper_.clip_triangle(draw, draw.viewport_at(viewport), codes, vertex.data());
-    if (draw.kind == PrimitiveKind::kPoint) count = std::min(count, 1u);
-  }
+  const uint16_t* const code = whole.window->code;
+  const uint32_t codes = code[v[0]] | code[v[1]] | code[v[2]];
+  const std::array<const float*, 3> vertex{whole.vertex(v[0]), whole.vertex(v[1]), whole.vertex(v[2])};
+  const ViewportTransform& viewport = draw.viewport_at(whole.viewport);
+  const uint32_t count = is_line ? clipper_.clip_line(draw, viewport, codes, vertex.data())
+                                 : clipper_.clip_triangle(draw, viewport, codes, vertex.data());
   if (count == 0) {
     ++statistics.triangles_culled;
     return;
@@ -175,7 +173,7 @@ void GeometryWorker::clip(const Draw& draw, uint32_t viewport, uint32_t primitiv
     cut_off = vertex[0];
   }
   uint16_t first;
-  const BatchView view = add_clipped(draw, viewport, count, cut_off, first);
+  const BatchView view = add_clipped(draw, {whole.viewport, whole.layer}, count, cut_off, first);
   // Only rounding can leave a cut outside of a plane it was put on; what matters is that its window coordinates fit fixed point.
   for (uint32_t i = first; i < first + count; ++i) {
     const int32_t x = clip_window_.x_fx8[i], y = clip_window_.y_fx8[i];
@@ -188,16 +186,10 @@ void GeometryWorker::clip(const Draw& draw, uint32_t viewport, uint32_t primitiv
   }
   const auto provoking = static_cast<uint16_t>(cut_off ? first + count : first);
   const Outline outline{primitive_id, provoking, true, 0};
-  switch (draw.kind) {
-    case PrimitiveKind::kPoint:
-      setup_point(draw, view, first, outline);
-      break;
-    case PrimitiveKind::kLine:
-      setup_line(draw, view, first, static_cast<uint16_t>(first + 1), outline);
-      break;
-    case PrimitiveKind::kTriangle:
-      setup_clipped(draw, view, primitive_id, first, count, provoking);
-      break;
+  if (is_line) {
+    setup_line(draw, view, first, static_cast<uint16_t>(first + 1), outline);
+  } else {
+    setup_clipped(draw, view, primitive_id, first, count, provoking);
   }
 }
 
@@ -240,57 +232,45 @@ void GeometryWorker::outline(const Draw& draw, const BatchView& view, uint32_t p
   }
 }
 
-// An index that no viewport has is the first's.
-inline uint32_t GeometryWorker::viewport_of(const Draw& draw, const BatchView& view, uint32_t provoking) {
-  if (draw.viewports.empty()) [[likely]]
-    return 0;
-  const auto index = std::bit_cast<uint32_t>(view.vertex(provoking)[draw.packet.outputs.viewport_index * kLanes]);
-  return index < draw.viewports.size() ? index : 0;
-}
-
-// Filled triangles, 16 at a time. `first`: number of the first in its instance.
-void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
+// Filled triangles, 16 at a time.
+void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count) {
   const DrawPacket& packet = draw.packet;
   const WindowVertices& w = *view.window;
   const bool front_is_clockwise = packet.front_face == VK_FRONT_FACE_CLOCKWISE;
-  const SmallSetupState state{draw.rect, is_culled(packet, front_is_clockwise), is_culled(packet, !front_is_clockwise),
-                              draw.samples == 1};
+  const SmallSetupState state{draw.rect_at(view.viewport), is_culled(packet, front_is_clockwise),
+                              is_culled(packet, !front_is_clockwise), draw.samples == 1};
   const uint32_t cull_codes = cull_distance_codes(packet.outputs);
   SmallSetup& group = small_group_;
   for (uint32_t base = 0; base < count; base += kLanes) {
     const uint32_t n = std::min(kLanes, count - base);
-    uint32_t inside = 0, clipped = 0, elsewhere = 0;  // elsewhere: to another viewport than the first
+    uint32_t inside = 0, clipped = 0;
     for (uint32_t i = 0; i < n; ++i) {
-      const std::array<uint16_t, 3>& v = batch_.prim(base + i);
+      const std::array<uint16_t, 3>& v = batch_.prim(begin + base + i);
       const uint32_t any = w.code[v[0]] | w.code[v[1]] | w.code[v[2]];
       for (uint32_t k = 0; k < 3; ++k) {
         group.x_fx8[k][i] = w.x_fx8[v[k]];
         group.y_fx8[k][i] = w.y_fx8[v[k]];
       }
-      if (viewport_of(draw, view, v[0]) != 0) [[unlikely]] {
-        if ((w.code[v[0]] & w.code[v[1]] & w.code[v[2]] & cull_codes) == 0) elsewhere |= 1u << i;
-      } else if (any == 0) [[likely]] {
+      if (any == 0) [[likely]] {
         inside |= 1u << i;
       } else if ((any & kClipDrop) == 0 && (w.code[v[0]] & w.code[v[1]] & w.code[v[2]]) == 0) {
         ((any & ~cull_codes) == 0 ? inside : clipped) |= 1u << i;
       }
     }
     small_setup_(state, group);
-    uint32_t left = (inside & (group.drawn | ~group.small)) | clipped | elsewhere;
+    uint32_t left = (inside & (group.drawn | ~group.small)) | clipped;
     const auto bits = [](uint32_t mask) { return static_cast<uint32_t>(__builtin_popcount(mask)); };
     statistics.triangles_culled += n - bits(left);
     statistics.culled_facing += bits(inside & group.averted);
     statistics.culled_no_sample += bits(inside & group.missed);
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<uint32_t>(__builtin_ctz(left));
-      const uint64_t number = first + base + i;
+      const uint64_t number = first + begin + base + i;
       const auto id = static_cast<uint32_t>(number < draw.prims_per_instance ? number : number % draw.prims_per_instance);
-      const std::array<uint16_t, 3>& v = batch_.prim(base + i);
-      if (elsewhere >> i & 1) [[unlikely]] {
-        clip(draw, viewport_of(draw, view, v[0]), id, kAllPlanes, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
-      } else if (clipped >> i & 1) {
+      const std::array<uint16_t, 3>& v = batch_.prim(begin + base + i);
+      if (clipped >> i & 1) {
         ++statistics.triangles_clipped;
-        clip(draw, 0, id, w.code[v[0]] | w.code[v[1]] | w.code[v[2]], {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
+        clip(draw, view, id, v);
       } else if (group.small >> i & 1) {
         emit(draw, view, id, v, v[0], (group.clockwise >> i & 1) != 0, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]});
       } else {
@@ -301,50 +281,107 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
 }
 
 // Points, lines, and triangles of the other polygon modes.
-void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
+void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count) {
   const uint16_t* code = view.window->code;
   const uint32_t vertex_count = vertices_of(draw.kind), cull_codes = cull_distance_codes(draw.packet.outputs);
   // Points are never clipped: outside of one plane is outside.
   const uint32_t never = kClipDrop | (draw.kind == PrimitiveKind::kPoint ? 0xFFFF & ~cull_codes : 0);
   if (draw.in_order) stipple_count_ = draw.stipple_count;
-  for (uint32_t i = 0; i < count; ++i) {
+  for (uint32_t i = begin; i < begin + count; ++i) {
     const auto primitive_id = static_cast<uint32_t>((first + i) % draw.prims_per_instance);
     const bool begins = draw.restart_prims.empty() ? primitive_id == 0 : draw.restart_prims[primitive_id].begins;
     if (!draw.in_order || begins) stipple_count_ = 0;
     std::array<uint16_t, 3> v = batch_.prim(i);
     for (uint32_t k = vertex_count; k < 3; ++k) v[k] = v[0];
     const uint32_t any = code[v[0]] | code[v[1]] | code[v[2]];
-    const uint32_t viewport = viewport_of(draw, view, v[draw.kind == PrimitiveKind::kLine && draw.packet.provoking_last ? 1 : 0]);
-    if (viewport != 0) {
-      if ((code[v[0]] & code[v[1]] & code[v[2]] & cull_codes) == 0) {
-        clip(draw, viewport, primitive_id, kAllPlanes, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
-      }
-    } else if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
+    if ((any & never) != 0 || (code[v[0]] & code[v[1]] & code[v[2]]) != 0) {
       ++statistics.triangles_culled;
     } else if ((any & ~cull_codes) == 0) {
       outline(draw, view, primitive_id, v);
     } else {
       ++statistics.triangles_clipped;
-      clip(draw, 0, primitive_id, any, {view.vertex(v[0]), view.vertex(v[1]), view.vertex(v[2])});
+      clip(draw, view, primitive_id, v);
     }
   }
   if (draw.in_order) draw.stipple_count = stipple_count_;
+}
+
+void GeometryWorker::run_primitives(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count) {
+  if (draw.kind == PrimitiveKind::kTriangle && draw.packet.polygon_mode == VK_POLYGON_MODE_FILL) {
+    run_triangles(draw, view, first, begin, count);
+  } else {
+    run_outlines(draw, view, first, begin, count);
+  }
+}
+
+// Of primitive i of the batch, from its provoking vertex. A viewport or layer that is not there is the first: the specification
+// leaves it undefined.
+GeometryWorker::Route GeometryWorker::route_of(const Draw& draw, const BatchView& view, uint32_t i) const {
+  const std::array<uint16_t, 3>& v = batch_.prim(i);
+  const float* provoking = view.vertex(v[draw.kind == PrimitiveKind::kLine && draw.packet.provoking_last ? 1 : 0]);
+  const auto read = [&](uint32_t slot, size_t count) {
+    const uint32_t index = slot != 0 ? std::bit_cast<uint32_t>(provoking[slot * kLanes]) : 0;
+    return index < count ? index : 0;
+  };
+  return {read(draw.packet.outputs.viewport_index, draw.viewports.size()), read(draw.packet.outputs.layer, draw.layers)};
+}
+
+// Window coordinates of the whole batch in each of the further viewports that its primitives choose.
+void GeometryWorker::transform_to_viewports(const Draw& draw, uint32_t count) {
+  const BatchView view{&batch_.window(), batch_.vertices(), draw.packet.vertex_slots, 0, 0, 0};
+  uint32_t used = 0;
+  for (uint32_t i = 0; i < count && !draw.viewports.empty(); ++i) used |= 1u << route_of(draw, view, i).viewport;
+  for (used &= ~1u; used != 0; used &= used - 1) {
+    const auto viewport = static_cast<uint32_t>(__builtin_ctz(used));
+    std::unique_ptr<WindowVertices>& window = windows_[viewport];
+    if (!window) window = std::make_unique<WindowVertices>();
+    for (uint32_t first = 0; first < batch_.vertex_count(); first += kLanes) {
+      transform_wave(draw.viewport_at(viewport), draw.packet.outputs, view.vertices + size_t{first} * view.slots, *window, first);
+    }
+  }
+}
+
+uint32_t GeometryWorker::batch_for(const Draw& draw, const BatchView& view, Route route) {
+  for (const RoutedBatch& known : routed_) {
+    if (known.route == route) return known.batch;
+  }
+  const auto batch = static_cast<uint32_t>(chunk_->batches.size());
+  chunk_->batches.push_back({&draw, view.vertices, route.viewport, route.layer});
+  routed_.push_back({route, batch});
+  return batch;
+}
+
+// In API order, so that what overlaps stays in order: runs of primitives that go to the same place.
+void GeometryWorker::run_routed(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count) {
+  routed_.assign(1, {{0, 0}, view.batch});
+  for (uint32_t begin = 0; begin < count;) {
+    const Route route = route_of(draw, view, begin);
+    uint32_t end = begin + 1;
+    while (end < count && route_of(draw, view, end) == route) ++end;
+    const WindowVertices* window = route.viewport == 0 ? view.window : windows_[route.viewport].get();
+    const BatchView routed{window, view.vertices, view.slots, batch_for(draw, view, route), route.viewport, route.layer};
+    binner_.set_layer(route.layer);
+    run_primitives(draw, routed, first, begin, end - begin);
+    begin = end;
+  }
 }
 
 void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
   const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_);
   statistics.vertices_shaded += vertices;
   statistics.triangles_in += count;
-  const BatchView view{&batch_.window(), batch_.vertices(), draw.packet.vertex_slots,
-                       static_cast<uint32_t>(chunk_->batches.size()), 0};
-  chunk_->batches.push_back({&draw, batch_.vertices(), 0});
+  const BatchView view{
+      &batch_.window(), batch_.vertices(), draw.packet.vertex_slots, static_cast<uint32_t>(chunk_->batches.size()), 0, 0};
+  chunk_->batches.push_back({&draw, batch_.vertices()});
   const PassStatistics before = statistics;
   const size_t binned = chunk_->triangles.size();
   const uint64_t in_instance = first % draw.prims_per_instance;
-  if (draw.kind == PrimitiveKind::kTriangle && draw.packet.polygon_mode == VK_POLYGON_MODE_FILL) {
-    run_triangles(draw, view, in_instance, count);
+  if (draw.routes) [[unlikely]] {
+    transform_to_viewports(draw, count);
+    run_routed(draw, view, in_instance, count);
   } else {
-    run_outlines(draw, view, in_instance, count);
+    binner_.set_layer(0);
+    run_primitives(draw, view, in_instance, 0, count);
   }
   if (draw.counters) [[unlikely]] {
     DrawCounters& c = *draw.counters;
@@ -358,9 +395,10 @@ void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count)
 
 void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count) {
   const auto batch = static_cast<uint32_t>(chunk_->batches.size());
-  chunk_->batches.push_back({&draw, nullptr, 0});
+  chunk_->batches.push_back({&draw, nullptr});
   for (uint64_t i = first; i < first + count; ++i) {
-    const Rect& r = draw.clear_rects[i];
+    const Rect& r = draw.clear_rects[i / draw.clear_layers];
+    binner_.set_layer(draw.clear_first_layer + static_cast<uint32_t>(i % draw.clear_layers));
     Triangle t{};
     t.x_fx8[0] = r.x0;  // a clear's record holds its rectangle in pixels
     t.y_fx8[0] = r.y0;

@@ -1,8 +1,11 @@
 // The geometry phase: one chunk of primitives -> shaded vertices -> clipped, culled, set-up triangles -> entries by tile.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "raster/binner.h"
 #include "raster/clip.h"
@@ -31,7 +34,7 @@ class GeometryWorker {
     const float* vertices;
     uint32_t slots;  // of a record
     uint32_t batch;
-    uint32_t viewport;
+    uint32_t viewport, layer;
     const float* vertex(uint32_t v) const { return vertices + size_t{v / kLanes} * slots * kLanes + v % kLanes; }
   };
   // What the lines and points of a primitive have in common.
@@ -42,18 +45,27 @@ class GeometryWorker {
     float depth_bias;
   };
 
-  // Of a primitive, from its provoking vertex.
-  static uint32_t viewport_of(const Draw& draw, const BatchView& view, uint32_t provoking);
-  void run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
-  void run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
+  // Where a primitive goes.
+  struct Route {
+    uint32_t viewport, layer;
+    bool operator==(const Route&) const = default;
+  };
+  // Primitives [begin, begin + count) of the batch, whose first has number `first` in its instance.
+  void run_routed(const Draw& draw, const BatchView& view, uint64_t first, uint32_t count);
+  void run_primitives(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count);
+  void run_triangles(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count);
+  void run_outlines(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count);
+  Route route_of(const Draw& draw, const BatchView& view, uint32_t i) const;
+  void transform_to_viewports(const Draw& draw, uint32_t count);
+  uint32_t batch_for(const Draw& draw, const BatchView& view, Route route);
   void outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
   void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
             bool clockwise, const Rect& bounds);
-  void clip(const Draw& draw, uint32_t viewport, uint32_t primitive_id, uint32_t codes, std::array<const float*, 3> vertex);
+  void clip(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
   void setup_clipped(const Draw& draw, const BatchView& view, uint32_t primitive_id, uint16_t first, uint32_t count,
                      uint16_t provoking);
-  BatchView add_clipped(const Draw& draw, uint32_t viewport, uint32_t count, const float* extra, uint16_t& first);
-  void begin_clip_batch(const Draw& draw, uint32_t viewport);
+  BatchView add_clipped(const Draw& draw, Route route, uint32_t count, const float* extra, uint16_t& first);
+  void begin_clip_batch(const Draw& draw, Route route, uint32_t vertices);
 
   // Culls, fills a record and bins it. `facing`: 0 or the sign that the triangle's area must have (pieces of a clipped triangle).
   void setup(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
@@ -79,8 +91,17 @@ class GeometryWorker {
   static constexpr uint32_t kClipBatchVertices = 512;
   const Draw* clip_draw_ = nullptr;
   float* clip_vertices_ = nullptr;
-  uint32_t clip_used_ = 0, clip_batch_ = 0, clip_viewport_ = 0;
+  uint32_t clip_used_ = 0, clip_batch_ = 0;
+  Route clip_route_{};
   WindowVertices clip_window_;
+  // Of the batch at hand, when its primitives choose: window coordinates in the viewports behind the first, and the records of
+  // the pairs that occur.
+  std::array<std::unique_ptr<WindowVertices>, kMaxViewports> windows_;
+  struct RoutedBatch {
+    Route route;
+    uint32_t batch;
+  };
+  std::vector<RoutedBatch> routed_;
 };
 
 }  // namespace pineda::raster

@@ -169,6 +169,8 @@ struct Draw {
   Rect rect;                                 // pixels that may be drawn: scissor, render area, framebuffer
   std::vector<ViewportTransform> viewports;  // of all viewports and their rectangles, when there are several
   std::vector<Rect> rects;
+  bool routes = false;  // the vertex shader chooses each primitive's viewport or layer
+  uint32_t layers = 1;  // that it may choose from
   const ViewportTransform& viewport_at(uint32_t i) const { return i == 0 ? viewport : viewports[i]; }
   const Rect& rect_at(uint32_t i) const { return i == 0 ? rect : rects[i]; }
   uint64_t prims_per_instance = 0;
@@ -183,16 +185,18 @@ struct Draw {
   bool is_clear = false;
   uint32_t clear_slot = 0;  // Scene::attachments
   std::array<uint8_t, 16> clear_texel{};
-  std::vector<Rect> clear_rects;
+  std::vector<Rect> clear_rects;  // each for each of the layers
+  uint32_t clear_first_layer = 0, clear_layers = 1;
 };
 
 // ---- geometry's output ----------------------------------------------------------------------------------------------------
 
-// Primitives of one draw whose vertices lie in one block of memory. Vertex v is lane v % 16 of wave v / 16.
+// Primitives of one draw whose vertices lie in one block of memory and that go to one viewport and layer. Vertex v is lane v % 16
+// of wave v / 16.
 struct Batch {
   const Draw* draw;
   const float* vertices;
-  uint32_t viewport = 0;
+  uint32_t viewport = 0, layer = 0;
 };
 
 // What a record covers. A sample is covered by the rule of coverage.h.

@@ -33,10 +33,12 @@ PassAttachment make_attachment(const Attachment& in, const std::array<uint8_t, 1
   a.store = in.store == VK_ATTACHMENT_STORE_OP_STORE;
   if (in.load == VK_ATTACHMENT_LOAD_OP_CLEAR) a.clear_texel = clear_texel;
   a.sample_pitch_bytes = in.sample_pitch_bytes;
+  a.layer_pitch_bytes = in.layer_pitch_bytes;
   if (in.resolve_address) {
     a.resolve = in.resolve;
     a.resolve_address = in.resolve_address;
     a.resolve_row_pitch_bytes = in.resolve_row_pitch_bytes;
+    a.resolve_layer_pitch_bytes = in.resolve_layer_pitch_bytes;
   }
   return a;
 }
@@ -106,6 +108,8 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
   grid.shift = static_cast<uint32_t>(__builtin_ctz(tile_px));
   grid.columns = (static_cast<uint32_t>(grid.area.x1) + tile_px - 1) / tile_px;
   grid.rows = (static_cast<uint32_t>(grid.area.y1) + tile_px - 1) / tile_px;
+  scene.layers = std::max(1u, desc.layers);
+  grid.layers = bytes_per_px != 0 ? scene.layers : 1;
   scene.tiles.swap(workspace->tiles);
   if (scene.tiles.size() < grid.count())
     scene.tiles.resize(grid.count());  // those that were there are empty and keep their memory
@@ -153,6 +157,8 @@ void Pass::State::record(const DrawPacket& packet) {
       draw.rects.push_back(drawable(packet.viewports->viewport[i], packet.viewports->scissor[i]));
     }
   }
+  draw.layers = scene.layers;
+  draw.routes = !draw.viewports.empty() || (packet.outputs.layer != 0 && scene.layers > 1);
   const bool has_depth = scene.depth().address != nullptr, tests_depth = packet.depth_test && has_depth;
   const bool tests_stencil = packet.stencil_test && scene.stencil().address;
   draw.depth_format = scene.depth().format;
@@ -184,7 +190,8 @@ void Pass::draw(const DrawPacket& packet) {
   if (state_->workspace->draws.size() >= kMaxRecordedDraws) state_->run_recorded(false);
 }
 
-void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects) {
+void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects, uint32_t first_layer,
+                 uint32_t layer_count) {
   State& s = *state_;
   const bool is_color = color_index != kDepth && color_index != kStencil;
   if (is_color && color_index >= s.scene.color_count) return;
@@ -196,14 +203,16 @@ void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<cons
     const Rect r = intersect(to_rect(rect), s.scene.grid.area);
     if (!r.empty()) inside.push_back(r);
   }
-  if (inside.empty()) return;
+  if (inside.empty() || first_layer >= s.scene.layers) return;
   Draw& draw = s.workspace->draws.append();
   draw.is_clear = true;
   draw.rect = s.scene.grid.area;
   draw.clear_slot = slot;
   draw.clear_texel = pack_clear(attachment.format, value);
   draw.clear_rects = std::move(inside);
-  draw.prims_per_instance = draw.clear_rects.size();
+  draw.clear_first_layer = first_layer;
+  draw.clear_layers = std::min(layer_count, s.scene.layers - first_layer);
+  draw.prims_per_instance = draw.clear_rects.size() * draw.clear_layers;
   draw.packet.instance_count = 1;
   draw.blocks_cover = !is_color;
   s.recorded_prims += draw.prims_per_instance;
@@ -225,7 +234,10 @@ std::vector<DrawStatistics> Pass::draw_statistics() const {
   return draws;
 }
 
-Pass::HeatMap Pass::heat_map() const { return {state_->scene.grid.columns, state_->scene.grid.rows, state_->bin_entries}; }
+Pass::HeatMap Pass::heat_map() const {
+  const TileGrid& grid = state_->scene.grid;
+  return {grid.columns, grid.rows * grid.layers, state_->bin_entries};
+}
 
 PassStatistics Pass::end() {
   State& s = *state_;

@@ -33,11 +33,13 @@ struct Attachment {
   VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE;
   VkClearValue clear{};
   uint32_t samples = 1;
+  size_t layer_pitch_bytes = 0;  // from one layer's texels to the next's
   // With several samples a pixel:
   size_t sample_pitch_bytes = 0;  // from one sample's texels to the next's
   KernelHandle resolve;           // from the samples of a block to one texel (compiler::compile_resolve); null: no resolve
   uint8_t* resolve_address = nullptr;
   uint32_t resolve_row_pitch_bytes = 0;
+  size_t resolve_layer_pitch_bytes = 0;
 };
 
 struct PassDesc {
@@ -47,6 +49,7 @@ struct PassDesc {
   uint32_t color_count = 0;
   Attachment depth, stencil;  // the aspects of a format with both are attachments of their own: aspect_format() in base/format.h
   uint32_t samples = 1;       // of every attachment
+  uint32_t layers = 1;        // of every attachment; a vertex shader's gl_Layer chooses
 };
 
 struct IndexBuffer {
@@ -131,9 +134,10 @@ class Pass {
   ~Pass();
   // Appends a draw; geometry may start at once or later. The packet is copied, what it points to is not.
   void draw(const DrawPacket& packet);
-  // vkCmdClearAttachments: rectangles of one attachment, in order with the draws: color_index, kDepth or kStencil.
+  // vkCmdClearAttachments: rectangles of some layers of one attachment, in order with the draws: color_index, kDepth or kStencil.
   static constexpr uint32_t kDepth = ~0u, kStencil = ~0u - 1;
-  void clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects);
+  void clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects, uint32_t first_layer = 0,
+             uint32_t layer_count = 1);
   // Before end(): another pass goes on with the attachments, so all are stored and none is resolved.
   void keep_in_memory();
   // Runs what is pending; attachments are in memory afterwards.
@@ -141,7 +145,7 @@ class Pass {
   // After end(), if Options asked for them: each draw that was recorded; bin entries of each tile, row by row.
   std::vector<DrawStatistics> draw_statistics() const;
   struct HeatMap {
-    uint32_t columns = 0, rows = 0;
+    uint32_t columns = 0, rows = 0;  // layers one below the other
     std::vector<uint64_t> entries;
   };
   HeatMap heat_map() const;

@@ -32,6 +32,7 @@ struct Scene {
   static constexpr uint32_t kDepthSlot = kMaxColorAttachments, kStencilSlot = kDepthSlot + 1, kSlots = kStencilSlot + 1;
   std::array<PassAttachment, kSlots> attachments{};
   uint32_t color_count = 0;
+  uint32_t layers = 1;           // of the framebuffer
   std::vector<TileState> tiles;  // grid.count() of them are in use
   bool last_flush = true;        // DONT_CARE stores are left out only here: before, the tile comes back
 

@@ -41,7 +41,7 @@ inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
   for (int k = 0; k < 3; ++k) p.vertex[k] = vertex(t.vertex[k]);
   p.front_facing = (t.provoking_and_flags & Triangle::kFront) != 0;
   p.primitive_id = t.primitive_id;
-  p.layer = 0;
+  p.layer = batch.layer;
   p.viewport_index = batch.viewport;
   p.reserved = 0;
   p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) *
@@ -51,9 +51,8 @@ inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
 }  // namespace
 
 void TileWorker::place(const Scene& scene, uint32_t tile) {
-  const int32_t size = scene.grid.tile_px;
-  position_ = {static_cast<int32_t>(tile % scene.grid.columns) * size, static_cast<int32_t>(tile / scene.grid.columns) * size,
-               size, scene.grid.rect(tile)};
+  const TileGrid& grid = scene.grid;
+  position_ = {grid.x_px(tile), grid.y_px(tile), grid.tile_px, grid.rect(tile), grid.layer(tile)};
   attachments_.place(scene, position_);
 }
 

@@ -24,6 +24,15 @@ uint8_t* TileAttachments::buffer(uint32_t slot) {
   return context_.color[slot];
 }
 
+// Texel (0, 0) of a sample in the tile's layer.
+uint8_t* TileAttachments::memory(const PassAttachment& a, uint32_t sample) const {
+  return a.address + position_.layer * a.layer_pitch_bytes + sample * a.sample_pitch_bytes;
+}
+
+uint8_t* TileAttachments::resolve_memory(const PassAttachment& a) const {
+  return a.resolve_address + position_.layer * a.resolve_layer_pitch_bytes;
+}
+
 void TileAttachments::place(const Scene& scene, const TilePosition& position) {
   position_ = position;
   const size_t texels = static_cast<size_t>(position.size_px) * static_cast<size_t>(position.size_px) * scene.samples();
@@ -49,7 +58,7 @@ void TileAttachments::load_slot(const Scene& scene, const TileState& state, uint
   for (uint32_t s = 0; s < (once ? 1 : scene.samples()); ++s) {
     const SamplePlane to{buffer(slot) + s * plane_bytes, scene.samples()};
     if (a.load || state.in_memory) {
-      load_tile(a, a.address + s * a.sample_pitch_bytes, position_, to);
+      load_tile(a, memory(a, s), position_, to);
     } else {
       clear_tile(a.texel_bytes, a.clear_texel.data(), position_.size_px, to);
     }
@@ -74,8 +83,7 @@ void TileAttachments::store_slot(const Scene& scene, uint32_t slot) {
   const bool is_color = slot < scene.color_count;
   const EqualBlocks equal{is_color && scene.samples() > 1 ? equal_.data() : nullptr, buffer(slot)};
   for (uint32_t s = 0; s < scene.samples(); ++s) {
-    store_tile(a, a.address + s * a.sample_pitch_bytes, a.row_pitch_bytes, position_,
-               {buffer(slot) + s * plane_bytes, scene.samples()}, equal);
+    store_tile(a, memory(a, s), a.row_pitch_bytes, position_, {buffer(slot) + s * plane_bytes, scene.samples()}, equal);
   }
 }
 
@@ -103,7 +111,7 @@ void TileAttachments::resolve_slot(const Scene& scene, uint32_t slot) {
     const PrimRecord record{nullptr, 0, static_cast<uint32_t>(waves_.size())};
     a.resolve(&resolve_context(), &context, &record, 1, waves_.data());
   }
-  store_tile(a, a.resolve_address, a.resolve_row_pitch_bytes, position_, {resolved_.data()});
+  store_tile(a, resolve_memory(a), a.resolve_row_pitch_bytes, position_, {resolved_.data()});
 }
 
 void TileAttachments::store(const Scene& scene) {
@@ -131,9 +139,9 @@ bool TileAttachments::finish_untouched(const Scene& scene, const TileState& stat
       continue;
     }
     const uint8_t* texel = a.clear_texel.data();
-    if (resolves) fill_memory_rect(a.texel_bytes, a.resolve_address, a.resolve_row_pitch_bytes, texel, position_.rect);
+    if (resolves) fill_memory_rect(a.texel_bytes, resolve_memory(a), a.resolve_row_pitch_bytes, texel, position_.rect);
     for (uint32_t s = 0; a.store && s < scene.samples(); ++s)
-      fill_memory_rect(a.texel_bytes, a.address + s * a.sample_pitch_bytes, a.row_pitch_bytes, texel, position_.rect);
+      fill_memory_rect(a.texel_bytes, memory(a, s), a.row_pitch_bytes, texel, position_.rect);
   }
   return written;
 }

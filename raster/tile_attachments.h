@@ -31,6 +31,8 @@ class TileAttachments {
 
  private:
   uint8_t* buffer(uint32_t slot);
+  uint8_t* memory(const PassAttachment& a, uint32_t sample) const;
+  uint8_t* resolve_memory(const PassAttachment& a) const;
   uint32_t block_count() const { return static_cast<uint32_t>(position_.size_px * position_.size_px) / kLanes; }
   void load_slot(const Scene& scene, const TileState& state, uint32_t slot, bool once);
   void store_slot(const Scene& scene, uint32_t slot);

@@ -18,16 +18,18 @@ struct PassAttachment {
   bool load = false;  // LOAD; otherwise the tile starts as clear_texel (zero for DONT_CARE: defined bits, whatever the tile size)
   bool store = false;
   std::array<uint8_t, 16> clear_texel{};
+  size_t layer_pitch_bytes = 0;
   // with several samples
   size_t sample_pitch_bytes = 0;
   KernelHandle resolve;  // fn is null: no resolve
   uint8_t* resolve_address = nullptr;
-  size_t resolve_row_pitch_bytes = 0;
+  size_t resolve_row_pitch_bytes = 0, resolve_layer_pitch_bytes = 0;
 };
 
 struct TilePosition {
   int32_t x_px, y_px, size_px;
   Rect rect;  // the tile's pixels that exist: of the render area
+  uint32_t layer = 0;
 };
 
 // One sample of every pixel of a tile. With N samples a block's samples lie side by side: `planes` is N, and `data` the sample's

@@ -53,6 +53,7 @@ class VertexBatch {
   uint32_t shade(const Draw& draw, uint64_t first, uint32_t count, Chunk& chunk, ThreadContext& context);
 
   const float* vertices() const { return vertices_; }
+  uint32_t vertex_count() const { return vertex_count_; }
   const WindowVertices& window() const { return window_; }
   // Vertices of primitive i: as many as its kind has.
   const std::array<uint16_t, 3>& prim(uint32_t i) const { return prims_[i]; }

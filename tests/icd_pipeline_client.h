@@ -186,6 +186,10 @@ class PipelineClient : public Client {
     const void* rasterization_next = nullptr;  // pNext of the rasterization state
     uint32_t samples = 1;
     const VkStencilOpState* stencil = nullptr;  // of both faces; null: no test
+    uint32_t viewports = 1;
+    bool depth_write = true;
+    float depth_bias_slope = 0, line_width = 1;
+    bool blend_over = false;  // source alpha over
   };
   VkResult graphics_pipeline(const Drawing& drawing, VkPipeline* out);
 };
@@ -202,18 +206,20 @@ inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipe
   const VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, nullptr, 0,
                                                         drawing.topology, VK_FALSE};
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-  viewport.viewportCount = viewport.scissorCount = 1;
+  viewport.viewportCount = viewport.scissorCount = drawing.viewports;
   VkPipelineRasterizationStateCreateInfo rasterization{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
   rasterization.pNext = drawing.rasterization_next;
   rasterization.polygonMode = drawing.polygon_mode;
-  rasterization.lineWidth = 1;
+  rasterization.lineWidth = drawing.line_width;
   rasterization.cullMode = drawing.cull;
   rasterization.depthClampEnable = drawing.depth_clamp;
-  rasterization.depthBiasEnable = drawing.depth_bias != 0;
+  rasterization.depthBiasEnable = drawing.depth_bias != 0 || drawing.depth_bias_slope != 0;
+  rasterization.depthBiasSlopeFactor = drawing.depth_bias_slope;
   rasterization.depthBiasConstantFactor = drawing.depth_bias;
   rasterization.depthBiasClamp = drawing.depth_bias_clamp;
   VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-  depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+  depth.depthTestEnable = VK_TRUE;
+  depth.depthWriteEnable = drawing.depth_write;
   depth.depthCompareOp = drawing.depth_compare;
   depth.stencilTestEnable = drawing.stencil != nullptr;
   if (drawing.stencil) depth.front = depth.back = *drawing.stencil;
@@ -221,6 +227,11 @@ inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipe
   multisample.rasterizationSamples = static_cast<VkSampleCountFlagBits>(drawing.samples);
   VkPipelineColorBlendAttachmentState blend_attachment{};
   blend_attachment.colorWriteMask = 0xF;
+  blend_attachment.blendEnable = drawing.blend_over;
+  blend_attachment.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  blend_attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  blend_attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  blend_attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;
   blend.pAttachments = &blend_attachment;

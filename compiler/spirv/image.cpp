@@ -351,13 +351,18 @@ ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_wo
 
 // An input attachment at the fragment's own place, which the coordinate is relative to: a fetch.
 void subpass_read(Translator& t, const Instruction& inst, const Opaque& o, const ImageType& image) {
-  SampleRequest r{.image = o.image, .sampler = o.image, .view_type = view_type(image), .result = component_type(t, o)};
+  SampleRequest r{.image = o.image, .sampler = o.image, .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY, .result = component_type(t, o)};
   const std::array<Value, 4> offset = coordinates(t, inst, 4, 2, false);
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const Value place = t.stage.input(t.b, {.built_in = BuiltIn::kFragCoord, .component = axis});
     if (!place) inst.fail("input attachments are for fragment shaders");
     r.coord[axis] = t.b.iadd(t.b.convert(ir::Op::kFToS, ir::Type::kI32, place), offset[axis]);
   }
+  // The layer that is drawn to; with multiview that is the view's, and otherwise the view is 0. Views without layers ignore it.
+  const Value layer = t.stage.input(t.b, {.built_in = BuiltIn::kLayer}),
+              of_view = t.stage.input(t.b, {.built_in = BuiltIn::kViewIndex});
+  if (!layer || !of_view) inst.fail("input attachments are for fragment shaders");
+  r.coord[2] = t.b.iadd(layer, of_view);
   const Operands operands = read_operands(t, inst, 5, ir::Type::kI32);
   if (image.multisampled != static_cast<bool>(operands.sample)) inst.fail("Sample goes with multisampled images");
   r.lod_mode = LodMode::kFetch;
