@@ -18,6 +18,8 @@ class CodeStore {
   virtual ~CodeStore() = default;
   virtual CodeBlob find(const KernelHash& key) = 0;  // null: not there
   virtual void insert(const KernelHash& key, const CodeBlob& blob) = 0;
+  // A kernel whose back end runs elsewhere; its blob is to be inserted when somebody needs to know.
+  virtual void insert_when_finished(const ExecutablePtr&) {}
 };
 
 // Of what a blob holds: the kernel (as it was built, before the passes), everything else that selects code (ISA, precision), and

@@ -14,6 +14,15 @@ Result<void> finish(Executable& executable, CodeStore* store) {
   return {};
 }
 
+// Has a generator run the back end. What can fail in an application's hands fails now.
+Result<void> start(const ExecutablePtr& executable, CodeStore* store, const CodeGenerator& generator) {
+  if (executable->is_finished()) return finish(*executable, store);
+  if (Result<void> available = back_end_available(); !available) return available;
+  if (store) store->insert_when_finished(executable);
+  generator(executable);
+  return {};
+}
+
 // Both back ends at once: generating machine code takes more than nine tenths of a cold pipeline's time.
 Result<void> finish_both(Executable& a, Executable& b, CodeStore* store) {
   Result<void> done[2];
@@ -24,13 +33,6 @@ Result<void> finish_both(Executable& a, Executable& b, CodeStore* store) {
   }
   parallel_for(2, [&](uint32_t i) { done[i] = finish(i == 0 ? a : b, store); });
   return done[0] ? done[1] : done[0];
-}
-
-Result<ExecutablePtr> finished_executable(ir::Kernel kernel, CodeStore* store) {
-  Result<ExecutablePtr> code = cached_executable(std::move(kernel), store);
-  if (!code) return code;
-  if (Result<void> done = finish(**code, store); !done) return std::unexpected(done.error());
-  return code;
 }
 
 }  // namespace
@@ -44,6 +46,9 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   if (!fragment) return std::unexpected(fragment.error());
   Result<ExecutablePtr> fragment_code = cached_executable(std::move(fragment->ir), source.store);
   if (!fragment_code) return std::unexpected(fragment_code.error());
+  if (source.generator) {
+    if (Result<void> done = start(*fragment_code, source.store, *source.generator); !done) return std::unexpected(done.error());
+  }
   std::vector<VaryingSlot> varyings = (*fragment_code)->varyings;
   const kernels::Shader vertex_shader = kernels::shader_of(*source.vertex);
   const VertexOutputs outputs = kernels::add_vertex_outputs(vertex_shader.info, source.draws_points, varyings);
@@ -51,7 +56,9 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   if (!vertex) return std::unexpected(vertex.error());
   Result<ExecutablePtr> vertex_code = cached_executable(std::move(*vertex), source.store);
   if (!vertex_code) return std::unexpected(vertex_code.error());
-  if (Result<void> done = finish_both(**fragment_code, **vertex_code, source.store); !done) return std::unexpected(done.error());
+  const Result<void> done = source.generator ? start(*vertex_code, source.store, *source.generator)
+                                             : finish_both(**fragment_code, **vertex_code, source.store);
+  if (!done) return std::unexpected(done.error());
   return GraphicsKernels{.vertex = *vertex_code,
                          .fragment = *fragment_code,
                          .vertex_slots = static_cast<uint32_t>(4 + varyings.size()),
@@ -68,8 +75,10 @@ Result<ComputeKernel> compile_compute(const ComputeSource& source) {
   const kernels::Shader shader = kernels::shader_of(*source.module);
   Result<ir::Kernel> kernel = kernels::build_compute(source, shader);
   if (!kernel) return std::unexpected(kernel.error());
-  Result<ExecutablePtr> code = finished_executable(std::move(*kernel), source.store);
+  Result<ExecutablePtr> code = cached_executable(std::move(*kernel), source.store);
   if (!code) return std::unexpected(code.error());
+  const Result<void> done = source.generator ? start(*code, source.store, *source.generator) : finish(**code, source.store);
+  if (!done) return std::unexpected(done.error());
   return ComputeKernel{*code, shader.info.local_size, shader.info.shared_memory_bytes, (*code)->frame_bytes};
 }
 
@@ -80,8 +89,9 @@ Result<KernelPtr> compile_resolve(VkFormat format, uint32_t samples, VkResolveMo
 }
 
 Result<KernelPtr> compile_kernel(ir::Kernel kernel) {
-  Result<ExecutablePtr> code = finished_executable(std::move(kernel), nullptr);
+  Result<ExecutablePtr> code = cached_executable(std::move(kernel), nullptr);
   if (!code) return std::unexpected(code.error());
+  if (Result<void> done = (*code)->finish(); !done) return std::unexpected(done.error());
   return *code;
 }
 

@@ -10,6 +10,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -146,14 +147,23 @@ struct TextureUse {  // key: which descriptor, what is bound
 
 // ---- kernels --------------------------------------------------------------------------------------------------------------
 
-// Executable code and what it was made from. Immutable, shared between pipelines.
+// Executable code and what it was made from. Shared between pipelines; constant once finish() has succeeded.
 class Kernel {
  public:
   virtual ~Kernel() = default;
+  // Runs the back end unless it has run: `handle` is valid afterwards. Thread-safe; who comes second waits for the first and gets
+  // the same answer.
+  virtual Result<void> finish() = 0;
+  // The same for a helper thread: returns at once when another thread is at it.
+  virtual void finish_unless_begun() = 0;
   KernelHandle handle;
   ir::Kernel ir;  // after all passes: what the handle runs
 };
-using KernelPtr = std::shared_ptr<const Kernel>;
+using KernelPtr = std::shared_ptr<Kernel>;
+
+// Who has other threads run back ends: is given each kernel whose back end has not run, as soon as it exists, and should have
+// Kernel::finish_unless_begun called. Kernel::finish is then for whoever runs the kernel to call, before it does.
+using CodeGenerator = std::function<void(const KernelPtr& kernel)>;
 
 struct VaryingSlot {  // a component that the fragment kernel reads from the vertex record
   uint32_t location, component;
@@ -168,10 +178,11 @@ struct GraphicsSource {
   const PipelineLayout* layout = nullptr;
   VertexState vertex_input;
   FragmentState state;
-  bool draws_points = false;             // point lists, or polygon mode POINT: the point size matters
-  std::span<const TextureUse> textures;  // of both stages; every spirv::ImageUse that samples must have one
-  std::string name;                      // for dumps
-  CodeStore* store = nullptr;            // asked before a kernel is compiled, told afterwards
+  bool draws_points = false;                 // point lists, or polygon mode POINT: the point size matters
+  std::span<const TextureUse> textures;      // of both stages; every spirv::ImageUse that samples must have one
+  std::string name;                          // for dumps
+  CodeStore* store = nullptr;                // asked before a kernel is compiled, told afterwards
+  const CodeGenerator* generator = nullptr;  // null: kernels are finished when they are returned
 };
 
 struct GraphicsKernels {
@@ -192,6 +203,7 @@ struct ComputeSource {
   std::span<const TextureUse> textures;
   std::string name;
   CodeStore* store = nullptr;
+  const CodeGenerator* generator = nullptr;
 };
 
 struct ComputeKernel {

@@ -10,6 +10,7 @@
 
 #include "base/config.h"
 #include "base/deep_stack.h"
+#include "base/float_environment.h"
 #include "base/log.h"
 #include "base/stop_word.h"
 #include "compiler/build_id.h"
@@ -76,12 +77,20 @@ class MachineCode {
   jit::Code code_;
 };
 
-Result<std::unique_ptr<MachineCode>> compile_machine_code(const ir::Kernel& kernel, const KernelHash& hash) {
+Result<const jit::Api*> find_back_end(jit::Isa* isa) {
   std::string error;
   const jit::Api* api = jit::api(&error);
   if (!api) return compile_error(error);
-  const jit::Isa isa = jit::select_isa(&error);
+  *isa = jit::select_isa(&error);
   if (!error.empty()) return compile_error(error);
+  return api;
+}
+
+Result<std::unique_ptr<MachineCode>> compile_machine_code(const ir::Kernel& kernel, const KernelHash& hash) {
+  jit::Isa isa;
+  const Result<const jit::Api*> found = find_back_end(&isa);
+  if (!found) return std::unexpected(found.error());
+  const jit::Api* api = *found;
   jit::Code code = api->compile(kernel, {.isa = isa, .want_llvm_ir = debug(kDebugLlvm), .want_assembly = debug(kDebugAsm)});
   if (!code.error.empty()) return compile_error(kernel.name + ": " + code.error);
   if (debug(kDebugLlvm)) dump(kernel.name, hash, "ll", code.llvm_ir);
@@ -100,7 +109,9 @@ class BackedKernel final : public Executable {
   explicit BackedKernel(const KernelHash& hash) : hash_(hash) {}
 
   Result<void> finish() override {
+    begun_.store(true, std::memory_order_relaxed);
     std::call_once(once_, [this] {
+      const ScopedFloatEnvironment environment;  // constant folding
       Stopwatch stopwatch;
       with_deep_stack([this] { status_ = build(); });
       if (debug(kDebugTime) && status_) {
@@ -110,6 +121,9 @@ class BackedKernel final : public Executable {
     });
     finished_.store(true, std::memory_order_release);
     return status_;
+  }
+  void finish_unless_begun() override {
+    if (!begun_.exchange(true, std::memory_order_relaxed)) static_cast<void>(finish());
   }
   bool is_finished() const override { return finished_.load(std::memory_order_acquire); }
   CodeBlob blob() const override { return blob_; }
@@ -159,7 +173,7 @@ class BackedKernel final : public Executable {
 
   const KernelHash hash_;
   std::once_flag once_;
-  std::atomic<bool> finished_{false};
+  std::atomic<bool> begun_{false}, finished_{false};
   Result<void> status_;  // of build(); valid once `once_` has run
   std::optional<eval::Program> program_;
   std::unique_ptr<MachineCode> machine_;
@@ -214,6 +228,7 @@ class StoredKernel final : public Executable {
     return kernel;
   }
   Result<void> finish() override { return {}; }
+  void finish_unless_begun() override {}
   bool is_finished() const override { return true; }
   CodeBlob blob() const override { return blob_; }
 
@@ -223,6 +238,14 @@ class StoredKernel final : public Executable {
 };
 
 }  // namespace
+
+Result<void> back_end_available() {
+  jit::Isa isa;
+  const bool evaluates = config().mode == Mode::kF32 || config().mode == Mode::kF64;
+  if (evaluates) return {};
+  const Result<const jit::Api*> found = find_back_end(&isa);
+  return found ? Result<void>() : std::unexpected(found.error());
+}
 
 KernelHash hash_kernel(const ir::Kernel& kernel) {
   Hasher hasher;

@@ -17,8 +17,6 @@ class Executable : public Kernel {
   std::vector<VaryingSlot> varyings;  // of fragment kernels: slot 4 + i
   uint64_t frame_bytes = 0;           // ir::wave_frame
 
-  // Runs the back end: `handle` is valid afterwards. Thread-safe; who comes second waits for the first and gets the same answer.
-  virtual Result<void> finish() = 0;
   virtual bool is_finished() const = 0;  // finish() would return at once
 
   // After finish(): what a CodeStore keeps of it under code_key(); null when its code cannot be kept.
@@ -28,6 +26,9 @@ class Executable : public Kernel {
 using ExecutablePtr = std::shared_ptr<Executable>;
 
 class CodeStore;
+
+// An error when no back end can run here: its library is missing, PINEDA_ISA asks for what the CPU lacks.
+Result<void> back_end_available();
 
 // Finds the kernel in `store` (which may be null) or on disk, else runs the passes. A kernel that was found has no `ir` but its
 // name and kind, and is finished.

@@ -35,7 +35,8 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info, compiler
   if (!textures_.add(*module_, layout)) return kShaderRejected;
   name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
   if (name_.empty()) name_ = "compute";
-  general_ = compile({}, store);
+  const compiler::CodeGenerator generator = code_generator(device);
+  general_ = compile({}, store, generator ? &generator : nullptr);
   return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
@@ -46,20 +47,27 @@ uint32_t ComputePipeline::invocations() const {
 
 // Null (reported) when it fails.
 std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::span<const compiler::TextureUse> textures,
-                                                                        compiler::CodeStore* store) const {
+                                                                        compiler::CodeStore* store,
+                                                                        const compiler::CodeGenerator* generator) const {
   const ScopedFloatEnvironment environment;  // constant folding
-  auto compiled = compiler::compile_compute(
-      {.module = module_.get(), .layout = layout_.get(), .textures = textures, .name = name_, .store = store});
+  auto compiled = compiler::compile_compute({.module = module_.get(),
+                                             .layout = layout_.get(),
+                                             .textures = textures,
+                                             .name = name_,
+                                             .store = store,
+                                             .generator = generator});
   if (compiled) return std::make_unique<const compiler::ComputeKernel>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
 }
 
 const compiler::ComputeKernel* ComputePipeline::kernel(const DescriptorSet* const* sets) const {
-  if (!samples()) return general_.get();
-  const auto* variant =
-      variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr); });
-  return variant ? variant : general_.get();
+  if (samples()) {
+    const auto* variant =
+        variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr, nullptr); });
+    if (variant) return variant;
+  }
+  return finish(*general_->kernel) ? general_.get() : nullptr;
 }
 
 VkResult api::CreateComputePipelines(VkDevice device, VkPipelineCache cache, uint32_t count,

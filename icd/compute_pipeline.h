@@ -19,7 +19,8 @@ class ComputePipeline : public Pipeline {
 
  private:
   std::unique_ptr<const compiler::ComputeKernel> compile(std::span<const compiler::TextureUse> textures,
-                                                         compiler::CodeStore* store) const;
+                                                         compiler::CodeStore* store,
+                                                         const compiler::CodeGenerator* generator) const;
 
   std::shared_ptr<const compiler::PipelineLayout> layout_;
   spirv::ModulePtr module_;

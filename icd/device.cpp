@@ -14,6 +14,8 @@ Device::Device(const Allocator& from, PhysicalDevice& owner, const GateSet& gate
     : Object(from),
       physical(owner),
       sample_functions([this](uint32_t view, uint32_t sampler) { return texture_states.combine(view, sampler); }),
+      background(1),
+      code_generation(render_threads()),
       pool(render_threads()),
       watchdog(*this),
       queues{Queue(*this), Queue(*this), Queue(*this)},

@@ -32,8 +32,9 @@ class Device : public Dispatchable, public Object {
   Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
   compiler::SampleFunctions sample_functions;
-  Background background;
-  raster::ThreadPool pool;  // used by whoever holds the scheduler's baton
+  Background background;       // better kernels than those in use
+  Background code_generation;  // the kernels of new pipelines
+  raster::ThreadPool pool;     // used by whoever holds the scheduler's baton
 
   Watchdog watchdog;
   std::array<Queue, kQueueFamilyCount> queues;

@@ -13,7 +13,7 @@ void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> co
   if (!compute_pipeline_ || pass_ || count[0] == 0 || count[1] == 0 || count[2] == 0) return;
   if (!compute_kernel_) compute_kernel_ = compute_pipeline_->kernel(compute_.sets.data());
   if (!compute_kernel_) {
-    device_.lose("a compute pipeline could not be compiled for the images that are bound (its error was reported)");
+    device_.lose("a compute pipeline could not be compiled (its error was reported)");
     return;
   }
   if (statistics_.pool) {

@@ -12,7 +12,7 @@ namespace pineda::icd {
 
 bool Executor::flush_kernels() {
   kernels_ = pipeline_->kernels(graphics_.sets.data());
-  if (!kernels_) device_.lose("a pipeline could not be compiled for the images that are bound (its error was reported)");
+  if (!kernels_) device_.lose("a pipeline could not be compiled (its error was reported)");
   return kernels_ != nullptr;
 }
 

@@ -25,13 +25,15 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info, compil
   }
   if (name_.empty()) name_ = "graphics";
   if (!state_.rasterizes) return VK_SUCCESS;
-  general_ = compile({}, store);
+  const compiler::CodeGenerator generator = code_generator(device);
+  general_ = compile({}, store, generator ? &generator : nullptr);
   return general_ ? VK_SUCCESS : kShaderRejected;
 }
 
 // Null (reported) when it fails.
 std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::span<const compiler::TextureUse> textures,
-                                                                           compiler::CodeStore* store) const {
+                                                                           compiler::CodeStore* store,
+                                                                           const compiler::CodeGenerator* generator) const {
   const ScopedFloatEnvironment environment;  // constant folding
   auto compiled = compiler::compile_graphics({.vertex = vertex_.get(),
                                               .fragment = fragment_.get(),
@@ -41,17 +43,20 @@ std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::
                                               .draws_points = state_.draws_points(),
                                               .textures = textures,
                                               .name = name_,
-                                              .store = store});
+                                              .store = store,
+                                              .generator = generator});
   if (compiled) return std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
 }
 
 const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {
-  if (!samples()) return general_.get();
-  const auto* variant =
-      variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr); });
-  return variant ? variant : general_.get();
+  if (samples()) {
+    const auto* variant =
+        variants_.find(device, this, textures_, sets, [this](auto textures) { return compile(textures, nullptr, nullptr); });
+    if (variant) return variant;
+  }
+  return finish(*general_->vertex) && finish(*general_->fragment) ? general_.get() : nullptr;
 }
 
 VkResult api::CreateGraphicsPipelines(VkDevice device, VkPipelineCache cache, uint32_t count,

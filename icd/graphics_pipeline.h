@@ -21,7 +21,8 @@ class GraphicsPipeline : public Pipeline {
 
  private:
   std::unique_ptr<const compiler::GraphicsKernels> compile(std::span<const compiler::TextureUse> textures,
-                                                           compiler::CodeStore* store) const;
+                                                           compiler::CodeStore* store,
+                                                           const compiler::CodeGenerator* generator) const;
 
   GraphicsState state_;
   std::shared_ptr<const compiler::PipelineLayout> layout_;

@@ -49,6 +49,24 @@ bool specializes_at_once() { return !debug(kDebugGeneral) && (config().mode != M
 
 const TextureStates& texture_states(const Device& device) { return device.texture_states; }
 
+compiler::CodeGenerator code_generator(Device& device) {
+  if (config().mode != Mode::kJit || render_threads() == 1) return {};
+  return [&device](const compiler::KernelPtr& kernel) {
+    device.code_generation.submit(nullptr, [unfinished = std::weak_ptr(kernel)] {
+      try {
+        if (const compiler::KernelPtr wanted = unfinished.lock()) wanted->finish_unless_begun();
+      } catch (const std::exception&) {  // out of memory: whoever uses the kernel tries again and reports it
+      }
+    });
+  };
+}
+
+bool finish(compiler::Kernel& kernel) {
+  const auto done = kernel.finish();
+  if (!done) report(Severity::kError, done.error().text);
+  return done.has_value();
+}
+
 void run_in_background(Device& device, const void* owner, std::function<void()> work) {
   if (!debug(kDebugGeneral)) device.background.submit(owner, std::move(work));
 }

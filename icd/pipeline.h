@@ -1,12 +1,14 @@
 // VkPipeline: what graphics and compute pipelines share.
 //
-// Every pipeline is compiled at creation. Code that samples depends on what is bound (format, filter, address modes:
-// compiler::TextureState), so that first, general form calls a function for each sample (compiler/sample_functions.h). A
-// combination of textures that is used again gets a variant with the sampling inlined, compiled in the background; it computes
-// the same bits. Modes that are for looking at values rather than for speed take the variants at once.
+// Every pipeline is translated at creation, which is when errors of shaders show; its machine code is generated on the device's
+// threads from then on, and the first use waits for it (or generates it, if no thread has come to it). Code that samples depends
+// on what is bound (format, filter, address modes: compiler::TextureState), so that first, general form calls a function for each
+// sample (compiler/sample_functions.h). A combination of textures that is used again gets a variant with the sampling inlined,
+// compiled in the background; it computes the same bits. Modes that are for looking at values rather than for speed take the
+// variants at once.
 //
 // The variants belong to the thread that executes for the queue (queue.h: one at a time); the background thread completes them.
-// All else is constant after creation.
+// All else is constant after creation, but for kernels that are not finished yet (compiler::Kernel::finish).
 #pragma once
 
 #include <algorithm>
@@ -48,6 +50,10 @@ class PipelineTextures {
 uint32_t uses_before_specialization();
 bool specializes_at_once();
 const TextureStates& texture_states(const Device& device);
+// Empty when new pipelines are finished at creation: without helper threads, and in the modes that look at values.
+compiler::CodeGenerator code_generator(Device& device);
+// False (reported) when it fails.
+bool finish(compiler::Kernel& kernel);
 void run_in_background(Device& device, const void* owner, std::function<void()> work);
 
 // Variants by key. A failed compile (reported) leaves the general kernels in use.

@@ -68,13 +68,35 @@ void PipelineCache::insert(const compiler::KernelHash& key, const compiler::Code
   blobs_.try_emplace(key, blob);
 }
 
-void PipelineCache::merge(const PipelineCache& other) {
+void PipelineCache::insert_when_finished(const compiler::ExecutablePtr& kernel) {
+  const std::lock_guard lock(unfinished_mutex_);
+  // What has been finished meanwhile need not be held any longer.
+  std::erase_if(unfinished_, [&](const compiler::ExecutablePtr& other) {
+    if (!other->is_finished()) return false;
+    if (const compiler::CodeBlob blob = other->blob()) insert(other->key, blob);
+    return true;
+  });
+  unfinished_.push_back(kernel);
+}
+
+void PipelineCache::settle() {
+  const std::lock_guard lock(unfinished_mutex_);
+  for (const compiler::ExecutablePtr& kernel : unfinished_) {
+    const bool done = kernel->finish().has_value();
+    if (const compiler::CodeBlob blob = done ? kernel->blob() : nullptr) insert(kernel->key, blob);
+  }
+  unfinished_.clear();
+}
+
+void PipelineCache::merge(PipelineCache& other) {
   if (&other == this) return;
+  other.settle();
   const std::scoped_lock lock(mutex_, other.mutex_);
   blobs_.insert(other.blobs_.begin(), other.blobs_.end());
 }
 
-VkResult PipelineCache::get_data(size_t* size_bytes, void* data) const {
+VkResult PipelineCache::get_data(size_t* size_bytes, void* data) {
+  settle();
   const std::lock_guard lock(mutex_);
   const VkPipelineCacheHeaderVersionOne header = our_header();
   if (!data) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <span>
+#include <vector>
 
 #include "compiler/code_store.h"
 #include "icd/object.h"
@@ -23,15 +24,20 @@ class PipelineCache : public Object, public compiler::CodeStore {
 
   compiler::CodeBlob find(const compiler::KernelHash& key) override;
   void insert(const compiler::KernelHash& key, const compiler::CodeBlob& blob) override;
+  void insert_when_finished(const compiler::ExecutablePtr& kernel) override;
 
-  void merge(const PipelineCache& other);
+  void merge(PipelineCache& other);
   // As vkGetPipelineCacheData: whole records only.
-  VkResult get_data(size_t* size_bytes, void* data) const;
+  VkResult get_data(size_t* size_bytes, void* data);
 
  private:
   void load(std::span<const uint8_t> data);
+  // Waits for the kernels whose code is not there yet. One whose code fails is left out: who runs it hears of it.
+  void settle();
 
-  mutable std::mutex mutex_;  // guards blobs_
+  std::mutex unfinished_mutex_;  // guards unfinished_; before mutex_
+  std::vector<compiler::ExecutablePtr> unfinished_;
+  std::mutex mutex_;  // guards blobs_
   std::map<compiler::KernelHash, compiler::CodeBlob> blobs_;
 };
 

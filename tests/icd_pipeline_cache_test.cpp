@@ -117,6 +117,29 @@ TEST(IcdPipelineCache, HeaderIsThatOfTheDevice) {
   EXPECT_EQ(std::memcmp(header.pipelineCacheUUID, properties.pipelineCacheUUID, VK_UUID_SIZE), 0);
 }
 
+// Machine code may be generated after vkCreate*Pipelines has returned: whoever needs it waits for it, whoever does not may go.
+TEST(IcdPipelineCache, PipelinesThatAreNotFinished) {
+  std::vector<uint8_t> bytes;
+  {
+    Fixture f;
+    const VkPipelineCache cache = f.cache();
+    for (uint32_t i = 0; i < 8; ++i) f.destroy(f.pipelines(cache, 900 + i, 1));
+    bytes = f.data(cache);
+    const std::vector<VkPipeline> unused = f.pipelines(f.cache(), 920, 6);
+    f.destroy(f.pipelines({}, 930, 6));
+    for (uint32_t i = 0; i < 4; ++i) {
+      const std::vector<VkPipeline> used = f.pipelines({}, 940 + i, 2);
+      f.expect_computes(used[1], 941 + i);
+      f.destroy(used);
+    }
+    f.destroy(unused);
+  }  // the device goes while kernels of 920 and 930 may be under way
+  Fixture f;
+  const VkPipelineCache again = f.cache(bytes);
+  f.destroy(f.pipelines(again, 900, 8));
+  EXPECT_EQ(f.data(again), bytes) << "all eight were there";
+}
+
 TEST(IcdPipelineCache, PipelinesGoInAndComeBack) {
   Fixture f;
   const std::vector<uint8_t> bytes = f.filled(100, 3);

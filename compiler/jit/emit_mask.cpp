@@ -45,7 +45,25 @@ Emitter::V Emitter::exec_bits() {
   return b_.CreateZExt(mask_bits(exec_.lanes), b_.getInt32Ty());
 }
 
-Emitter::V Emitter::mask_from_bits(V bits16) { return from_i1(b_.CreateBitCast(bits16, lane_type(b_.getInt1Ty()))); }
+namespace {
+
+llvm::Constant* lane_bits(llvm::LLVMContext& context) {  // 1 << lane
+  std::vector<uint32_t> single(kLanes);
+  for (uint32_t l = 0; l < kLanes; ++l) single[l] = 1u << l;
+  return llvm::ConstantDataVector::get(context, single);
+}
+
+}  // namespace
+
+// With mask registers each lane tests its bit (vpbroadcastd, vptestmd). A bitcast of i16 to <16 x i1> would be one kmovw, but
+// LLVM 19's DAG combiner never ends on some logic of several such masks: it moves `or` in front of the bitcasts, and then an x86
+// combine moves it behind them again.
+Emitter::V Emitter::mask_from_bits(V bits16) {
+  if (!features_.mask_registers) return from_i1(b_.CreateBitCast(bits16, lane_type(b_.getInt1Ty())));
+  V bits = b_.CreateVectorSplat(kLanes, b_.CreateZExt(bits16, b_.getInt32Ty()));
+  V own = b_.CreateAnd(bits, lane_bits(context_));
+  return b_.CreateICmpNE(own, llvm::Constant::getNullValue(own->getType()));
+}
 
 // `cond` is an i1 or a mask; a and b have one shape.
 Emitter::V Emitter::select(V cond, V a, V b) {
@@ -56,9 +74,7 @@ Emitter::V Emitter::select(V cond, V a, V b) {
 Emitter::V Emitter::emit_unpack_mask(const ir::Inst& inst) {
   if (!is_lane(inst.operand[0])) return mask_from_bits(b_.CreateTrunc(scalar(inst.operand[0]), b_.getInt16Ty()));
   V bits = vector(inst.operand[0]);
-  std::vector<uint32_t> single(kLanes);
-  for (uint32_t l = 0; l < kLanes; ++l) single[l] = 1u << l;
-  V own = b_.CreateAnd(bits, llvm::ConstantDataVector::get(context_, single));
+  V own = b_.CreateAnd(bits, lane_bits(context_));
   return from_i1(b_.CreateICmpNE(own, llvm::Constant::getNullValue(own->getType())));
 }
 

@@ -62,6 +62,22 @@ Value long_work(Builder& b, Value x) {
   return x;
 }
 
+// Logic of masks that come from words, selected by masks: LLVM's DAG combiner must come to an end (emit_mask.cpp).
+TEST(JitControl, MasksFromWords) {
+  ControlRig r;
+  Builder& b = r.b;
+  const Value x = r.in();
+  std::vector<Value> word, compared;
+  for (uint32_t i = 0; i < 2; ++i) word.push_back(b.unpack_mask(b.imul(r.uniform(), b.i32(0x1357 + 2 * i))));
+  for (uint32_t i = 0; i < 3; ++i) compared.push_back(b.ult(x, b.i32(3 + i)));
+  const Value either = b.or_(word[1], word[0]);
+  const Value chosen = b.ballot(b.select(compared[2], either, word[1]));
+  const Value both = b.ballot(b.and_(compared[1], b.and_(compared[0], word[0])));
+  r.put(chosen);
+  r.put(b.and_(both, b.i32(1)));
+  r.check();
+}
+
 TEST(JitControl, DivergentIf) {
   ControlRig r;
   Builder& b = r.b;

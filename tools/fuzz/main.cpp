@@ -93,7 +93,8 @@ std::string check_kernel(const jit::Api& api, uint64_t seed) {
   ir::RandomKernel program(seed, {.statements = 16 + random.below(48),
                                   .other_widths = !transcendentals && !random.one_in(4),
                                   .transcendentals = transcendentals,
-                                  .atomics = !random.one_in(3)});
+                                  .atomics = !random.one_in(3),
+                                  .barriers = random.one_in(3)});
   ir::Kernel kernel = program.kernel();
   if (transcendentals || !random.one_in(4)) passes::optimize(kernel, passes::Form::kMachine);
   const auto expected = program.run([&](auto... args) { eval::run(kernel, eval::Mode::kF32, args...); });
@@ -109,6 +110,37 @@ std::string check_kernel(const jit::Api& api, uint64_t seed) {
   return "";
 }
 
+struct KernelBatch {
+  const jit::Api* api;
+  uint64_t first, count;
+};
+
+Outcome check_batch(void* argument) {
+  const KernelBatch& batch = *static_cast<const KernelBatch*>(argument);
+  for (uint64_t i = 0; i < batch.count; ++i) {
+    const std::string fault = check_kernel(*batch.api, batch.first + i);
+    if (!fault.empty()) return {Outcome::Kind::kDiffered, fault};
+  }
+  return {Outcome::Kind::kAgreed, ""};
+}
+
+// A batch shares a process, and its kernels have one each when something is wrong with it. Gives how many are wrong.
+uint64_t check_batch_in_child(KernelBatch batch) {
+  constexpr uint32_t kSecondsEach = 20;
+  const Outcome outcome = with_limits(kSecondsEach * 2, check_batch, &batch);
+  if (outcome.kind == Outcome::Kind::kAgreed) return 0;
+  uint64_t wrong = 0;
+  for (uint64_t i = 0; i < batch.count; ++i) {
+    KernelBatch one{batch.api, batch.first + i, 1};
+    const Outcome alone = with_limits(kSecondsEach, check_batch, &one);
+    if (alone.kind == Outcome::Kind::kAgreed) continue;
+    ++wrong;
+    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(one.first), alone.text.c_str());
+    std::fflush(stdout);
+  }
+  return wrong;
+}
+
 int kernels(const Settings& settings) {
   std::string error;
   const jit::Api* api = jit::api(&error);
@@ -116,14 +148,16 @@ int kernels(const Settings& settings) {
     std::fprintf(stderr, "%s\n", error.c_str());
     return 1;
   }
+  constexpr uint64_t kBatch = 50;
   uint64_t wrong = 0;
+  KernelBatch batch{api, settings.seed, 0};
   Progress progress(settings);
-  while (progress.next()) {
-    const uint64_t seed = settings.seed + progress.count() - 1;
-    const std::string fault = check_kernel(*api, seed);
-    if (fault.empty()) continue;
-    ++wrong;
-    std::printf("seed %llu: %s\n", static_cast<unsigned long long>(seed), fault.c_str());
+  for (bool more = true; more;) {
+    more = progress.next();
+    batch.count += more;
+    if (batch.count < (more ? kBatch : 1)) continue;
+    wrong += check_batch_in_child(batch);
+    batch = {api, batch.first + batch.count, 0};
   }
   std::printf("%llu random kernels from seed %llu: %llu wrong\n", static_cast<unsigned long long>(progress.count()),
               static_cast<unsigned long long>(settings.seed), static_cast<unsigned long long>(wrong));
