@@ -147,7 +147,8 @@ struct VertexBufferBinding {
   uint32_t reserved;
 };
 
-// A buffer whose device address was asked for. Ranges of at most 4 GiB - 1: a larger buffer has several.
+// Memory that was allocated for device addresses, at most 4 GiB - 1: a larger allocation has several, each up to where 32-bit offsets
+// reach.
 struct AddressRange {
   uint64_t address;
   uint32_t size_bytes;
@@ -169,7 +170,7 @@ struct DrawContext {
   float depth_range[kMaxViewports][2];  // the lower and the upper end of each viewport's depths: what depth clamp clamps to
   uint32_t workgroup_count[3];
   uint32_t view_index;                 // gl_ViewIndex of this run over the draw
-  const AddressRange* address_ranges;  // what PhysicalStorageBuffer pointers may reach: ascending, disjoint
+  const AddressRange* address_ranges;  // what PhysicalStorageBuffer pointers may reach; addresses ascend
   uint32_t address_range_count, reserved;
   const float* srgb_decode;  // base/srgb.h: set_srgb_tables fills both
   const uint32_t* srgb_encode;

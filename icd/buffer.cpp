@@ -42,4 +42,11 @@ VkResult api::BindBufferMemory(VkDevice, VkBuffer buffer, VkDeviceMemory memory,
   return VK_SUCCESS;
 }
 
+// The host's address. Of the opaque addresses for capture and replay there are none (bufferDeviceAddressCaptureReplay).
+VkDeviceAddress api::GetBufferDeviceAddressKHR(VkDevice, const VkBufferDeviceAddressInfo* info) {
+  return reinterpret_cast<VkDeviceAddress>(from(info->buffer)->data());
+}
+uint64_t api::GetBufferOpaqueCaptureAddressKHR(VkDevice, const VkBufferDeviceAddressInfo*) { return 0; }
+uint64_t api::GetDeviceMemoryOpaqueCaptureAddressKHR(VkDevice, const VkDeviceMemoryOpaqueCaptureAddressInfo*) { return 0; }
+
 }  // namespace pineda::icd

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "compiler/sample_functions.h"
+#include "icd/address_table.h"
 #include "icd/background.h"
 #include "icd/dispatch.h"
 #include "icd/notifier.h"
@@ -32,6 +33,7 @@ class Device : public Dispatchable, public Object {
   Notifier notifier;  // fences, events, queries
   TextureStates texture_states;
   compiler::SampleFunctions sample_functions;
+  AddressTable addresses;
   Background background;       // better kernels than those in use
   Background code_generation;  // the kernels of new pipelines
   raster::ThreadPool pool;     // used by whoever holds the scheduler's baton

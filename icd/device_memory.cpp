@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/device.h"
 
 namespace pineda::icd {
@@ -10,6 +11,11 @@ namespace {
 
 constexpr VkDeviceSize kPageBytes = 4096;
 constexpr VkDeviceSize kHugePageBytes = 2u << 20;
+
+bool wants_address(const VkMemoryAllocateInfo& info) {
+  const auto* flags = find_in_chain<VkMemoryAllocateFlagsInfo>(info.pNext, VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO);
+  return flags && (flags->flags & VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT);
+}
 
 VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) { return (value + alignment - 1) / alignment * alignment; }
 
@@ -23,7 +29,7 @@ VkResult DeviceMemory::check(Device&, const VkMemoryAllocateInfo& info) {
 // Allocations of a huge page and more start at one and ask for them: first touch of a 1080p attachment is 4 page faults instead
 // of 2000.
 DeviceMemory::DeviceMemory(const Allocator& from, Device& device, const VkMemoryAllocateInfo& info)
-    : Object(from), device_(device), size_bytes_(info.allocationSize) {
+    : Object(from), device_(device), size_bytes_(info.allocationSize), has_address_(wants_address(info)) {
   const bool huge = size_bytes_ >= kHugePageBytes;
   if (!device_.reserve_memory(size_bytes_)) return;
   mapping_bytes_ = align_up(size_bytes_, kPageBytes) + (huge ? kHugePageBytes : 0);
@@ -38,10 +44,12 @@ DeviceMemory::DeviceMemory(const Allocator& from, Device& device, const VkMemory
     data_ = reinterpret_cast<uint8_t*>(align_up(reinterpret_cast<uintptr_t>(mapping_), kHugePageBytes));
     madvise(data_, align_up(size_bytes_, kPageBytes), MADV_HUGEPAGE);  // a wish: failure changes nothing
   }
+  if (has_address_) device_.addresses.add(reinterpret_cast<uint64_t>(data_), size_bytes_);
 }
 
 DeviceMemory::~DeviceMemory() {
   if (!mapping_) return;
+  if (has_address_) device_.addresses.remove(reinterpret_cast<uint64_t>(data_));
   munmap(mapping_, mapping_bytes_);
   device_.return_memory(size_bytes_);
 }

@@ -21,6 +21,7 @@ class DeviceMemory : public Object {
   VkDeviceSize mapping_bytes_ = 0;
   uint8_t* mapping_ = nullptr;
   uint8_t* data_ = nullptr;
+  const bool has_address_;  // shaders may reach it by pointers
 };
 
 // Alignment of every resource: one cache line.

@@ -21,6 +21,7 @@ void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> co
     statistics_.pool->add_compute(statistics_.query,
                                   uint64_t{count[0]} * count[1] * count[2] * (uint64_t{size[0]} * size[1] * size[2]));
   }
+  update_addresses();
   std::ranges::copy(count, compute_.context.workgroup_count);
   raster::dispatch(device_.pool, {.kernel = compute_kernel_->kernel->handle,
                                   .context = &compute_.context,

@@ -19,6 +19,10 @@ void Executor::reset_state() {
   std::ranges::fill(graphics_.context.sets, unbound_set_memory());
   set_srgb_tables(graphics_.context);
   graphics_.context.sample = device_.sample_functions.handle();
+  if (addresses_) {
+    graphics_.context.address_ranges = addresses_->data();
+    graphics_.context.address_range_count = static_cast<uint32_t>(addresses_->size());
+  }
   compute_ = graphics_;
   pipeline_ = nullptr;
   compute_pipeline_ = nullptr;
@@ -29,8 +33,23 @@ void Executor::reset_state() {
   dirty_ = kAll;
 }
 
+// Memory may have been allocated since: at the start of a command buffer and of each dispatch is soon enough, as what a command sees
+// must have been there before it was submitted or signalled.
+void Executor::update_addresses() {
+  const uint64_t version = device_.addresses.version();
+  if (version == addresses_version_) return;
+  addresses_ = device_.addresses.snapshot();
+  addresses_version_ = version;
+  for (BindPoint* point : {&graphics_, &compute_}) {
+    point->context.address_ranges = addresses_->data();
+    point->context.address_range_count = static_cast<uint32_t>(addresses_->size());
+  }
+  dirty_ |= kContext;
+}
+
 void Executor::run(const CommandBuffer& command_buffer) {
   reset_state();
+  update_addresses();
   occlusion_ = statistics_ = {};
   walk(command_buffer);
   if (pass_) end_subpass();  // a primary that lacks vkCmdEndRenderPass is invalid, but its draws point into the arena

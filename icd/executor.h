@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "icd/address_table.h"
 #include "icd/arena.h"
 #include "icd/command_list.h"
 #include "icd/graphics_pipeline.h"
@@ -52,6 +53,7 @@ class Executor {
   void walk(const CommandBuffer& command_buffer);
   void execute(const CommandHeader& header);
   void reset_state();
+  void update_addresses();
 
   // exec_pass.cpp
   void begin_subpass();
@@ -84,6 +86,10 @@ class Executor {
 
   Device& device_;
   Arena arena_;  // draw contexts of the subpass
+
+  // What pointers may reach. Not changed while a render pass holds contexts that point into it.
+  AddressTable::Snapshot addresses_;
+  uint64_t addresses_version_ = ~uint64_t{0};
 
   // Bound state.
   BindPoint graphics_, compute_;

@@ -82,6 +82,42 @@ constexpr VkPhysicalDeviceScalarBlockLayoutFeatures kScalarBlockLayout{
 constexpr VkPhysicalDeviceUniformBufferStandardLayoutFeatures kUniformStandardLayout{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, .uniformBufferStandardLayout = VK_TRUE};
 
+constexpr VkPhysicalDeviceBufferDeviceAddressFeatures kBufferDeviceAddress{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES, .bufferDeviceAddress = VK_TRUE};
+constexpr VkPhysicalDeviceShaderAtomicInt64Features kAtomicInt64{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_INT64_FEATURES,
+    .shaderBufferInt64Atomics = VK_TRUE,
+    .shaderSharedInt64Atomics = VK_TRUE};
+constexpr VkPhysicalDeviceShaderAtomicFloatFeaturesEXT kAtomicFloat{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT,
+    .shaderBufferFloat32Atomics = VK_TRUE,
+    .shaderBufferFloat32AtomicAdd = VK_TRUE,
+    .shaderBufferFloat64Atomics = VK_TRUE,
+    .shaderBufferFloat64AtomicAdd = VK_TRUE,
+    .shaderSharedFloat32Atomics = VK_TRUE,
+    .shaderSharedFloat32AtomicAdd = VK_TRUE,
+    .shaderSharedFloat64Atomics = VK_TRUE,
+    .shaderSharedFloat64AtomicAdd = VK_TRUE,
+    .shaderImageFloat32Atomics = VK_TRUE,
+    .shaderImageFloat32AtomicAdd = VK_TRUE};
+constexpr VkPhysicalDeviceShaderIntegerDotProductFeatures kIntegerDotProduct{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_INTEGER_DOT_PRODUCT_FEATURES, .shaderIntegerDotProduct = VK_TRUE};
+constexpr VkPhysicalDeviceShaderSubgroupExtendedTypesFeatures kSubgroupExtendedTypes{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SUBGROUP_EXTENDED_TYPES_FEATURES, .shaderSubgroupExtendedTypes = VK_TRUE};
+constexpr VkPhysicalDeviceShaderTerminateInvocationFeatures kTerminateInvocation{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_TERMINATE_INVOCATION_FEATURES, .shaderTerminateInvocation = VK_TRUE};
+constexpr VkPhysicalDeviceShaderDemoteToHelperInvocationFeatures kDemoteToHelperInvocation{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DEMOTE_TO_HELPER_INVOCATION_FEATURES,
+    .shaderDemoteToHelperInvocation = VK_TRUE};
+constexpr VkPhysicalDeviceVulkanMemoryModelFeatures kMemoryModel{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_MEMORY_MODEL_FEATURES,
+    .vulkanMemoryModel = VK_TRUE,
+    .vulkanMemoryModelDeviceScope = VK_TRUE,
+    .vulkanMemoryModelAvailabilityVisibilityChains = VK_TRUE};
+constexpr VkPhysicalDeviceZeroInitializeWorkgroupMemoryFeatures kZeroInitializeWorkgroupMemory{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ZERO_INITIALIZE_WORKGROUP_MEMORY_FEATURES,
+    .shaderZeroInitializeWorkgroupMemory = VK_TRUE};
+
 struct FeatureRow {
   VkStructureType type;
   std::span<const VkBool32> available;
@@ -117,6 +153,15 @@ std::span<const FeatureRow> rows() {
       row(kFloat16Int8, kFloat16Int8.shaderInt8),
       row(kScalarBlockLayout, kScalarBlockLayout.scalarBlockLayout),
       row(kUniformStandardLayout, kUniformStandardLayout.uniformBufferStandardLayout),
+      row(kBufferDeviceAddress, kBufferDeviceAddress.bufferDeviceAddressMultiDevice),
+      row(kAtomicInt64, kAtomicInt64.shaderSharedInt64Atomics),
+      row(kAtomicFloat, kAtomicFloat.sparseImageFloat32AtomicAdd),
+      row(kIntegerDotProduct, kIntegerDotProduct.shaderIntegerDotProduct),
+      row(kSubgroupExtendedTypes, kSubgroupExtendedTypes.shaderSubgroupExtendedTypes),
+      row(kTerminateInvocation, kTerminateInvocation.shaderTerminateInvocation),
+      row(kDemoteToHelperInvocation, kDemoteToHelperInvocation.shaderDemoteToHelperInvocation),
+      row(kMemoryModel, kMemoryModel.vulkanMemoryModelAvailabilityVisibilityChains),
+      row(kZeroInitializeWorkgroupMemory, kZeroInitializeWorkgroupMemory.shaderZeroInitializeWorkgroupMemory),
   };
   return kRows;
 }

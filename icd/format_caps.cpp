@@ -28,6 +28,7 @@ VkFormatFeatureFlags image_features(const FormatInfo& format) {
   if (format.uses & kUseBlend) features |= VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT;
   if (format.uses & kUseDepth) features |= VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
   if (format.uses & kUseStorage) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+  if (format.uses & kUseStorageAtomic) features |= VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT;
   if (features == 0) return 0;
   features |= VK_FORMAT_FEATURE_BLIT_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
   if (!format.is_compressed()) features |= VK_FORMAT_FEATURE_BLIT_DST_BIT;
@@ -100,6 +101,8 @@ VkFormatProperties format_properties(VkFormat format) {
   properties.optimalTilingFeatures = image_features(*info, VK_IMAGE_TILING_OPTIMAL);
   if (info->uses & kUseUniformTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
   if (info->uses & kUseStorageTexel) properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
+  if ((info->uses & kUseStorageTexel) && (info->uses & kUseStorageAtomic))
+    properties.bufferFeatures |= VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_ATOMIC_BIT;
   if (info->uses & kUseVertex) properties.bufferFeatures |= VK_FORMAT_FEATURE_VERTEX_BUFFER_BIT;
   return properties;
 }

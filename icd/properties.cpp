@@ -30,7 +30,7 @@ void fill(VkPhysicalDeviceIDProperties& to) {
 
 void fill(VkPhysicalDeviceSubgroupProperties& to) {
   to.subgroupSize = kLanes;
-  to.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
+  to.supportedStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
   to.supportedOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
                            VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT |
                            VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT | VK_SUBGROUP_FEATURE_CLUSTERED_BIT |
@@ -84,6 +84,24 @@ void fill(VkPhysicalDeviceDescriptorIndexingProperties& to) {
   to.maxDescriptorSetUpdateAfterBindInputAttachments = kLimits.maxDescriptorSetInputAttachments;
 }
 
+// The IR's arithmetic is IEEE 754's at every width, whatever a shader asks for: denormals are kept and results rounded to nearest
+// even. Execution modes that ask for something else are refused.
+void fill(VkPhysicalDeviceFloatControlsProperties& to) {
+  to.denormBehaviorIndependence = to.roundingModeIndependence = VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_ALL;
+  to.shaderSignedZeroInfNanPreserveFloat16 = to.shaderSignedZeroInfNanPreserveFloat32 = to.shaderSignedZeroInfNanPreserveFloat64 =
+      VK_TRUE;
+  to.shaderDenormPreserveFloat16 = to.shaderDenormPreserveFloat32 = to.shaderDenormPreserveFloat64 = VK_TRUE;
+  to.shaderDenormFlushToZeroFloat16 = to.shaderDenormFlushToZeroFloat32 = to.shaderDenormFlushToZeroFloat64 = VK_FALSE;
+  to.shaderRoundingModeRTEFloat16 = to.shaderRoundingModeRTEFloat32 = to.shaderRoundingModeRTEFloat64 = VK_TRUE;
+  to.shaderRoundingModeRTZFloat16 = to.shaderRoundingModeRTZFloat32 = to.shaderRoundingModeRTZFloat64 = VK_FALSE;
+}
+
+// None is faster than the multiplications and additions that it stands for (spirv/dot_product.cpp).
+void fill(VkPhysicalDeviceShaderIntegerDotProductProperties& to) {
+  auto* const next = to.pNext;
+  to = {.sType = to.sType, .pNext = next};
+}
+
 // A colour is part of its sampler (sampler.cpp).
 void fill(VkPhysicalDeviceCustomBorderColorPropertiesEXT& to) {
   to.maxCustomBorderColorSamplers = kLimits.maxSamplerAllocationCount;
@@ -133,6 +151,9 @@ constexpr PropertyRow kRows[] = {
     // ---- extensions
     row<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES),
     row<VkPhysicalDeviceDescriptorIndexingProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_PROPERTIES),
+    row<VkPhysicalDeviceFloatControlsProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES),
+    row<VkPhysicalDeviceShaderIntegerDotProductProperties>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_INTEGER_DOT_PRODUCT_PROPERTIES),
     row<VkPhysicalDeviceCustomBorderColorPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_PROPERTIES_EXT),
     row<VkPhysicalDeviceSamplerFilterMinmaxProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_FILTER_MINMAX_PROPERTIES),
     row<VkPhysicalDeviceLineRasterizationPropertiesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_PROPERTIES_EXT),

@@ -177,6 +177,8 @@ TEST(Eval, AtomicsActLaneByLane) {
       {ir::AtomicOp::kUMin, 5, 0xFFFFFFFF, 0, 5},
       {ir::AtomicOp::kUMax, 5, 0xFFFFFFFF, 0, 0xFFFFFFFF},
       {ir::AtomicOp::kExchange, 5, 9, 0, 9},
+      {ir::AtomicOp::kFAdd, 0x3f800000, 0x40000000, 0, 0x40a00000},
+      {ir::AtomicOp::kFAdd, 0x7f800000, 0xff800000, 0, 0x7fc00000},
       {ir::AtomicOp::kCompareExchange, 5, 9, 5, 9},
       {ir::AtomicOp::kCompareExchange, 5, 9, 6, 5},
   };

@@ -2,13 +2,24 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
 #include "compiler/eval/eval.h"
 
 namespace pineda::eval {
+
+// The sum of the floats that a and b are the bits of; NaN as FCanon has it.
+template <class U>
+U float_sum(U a, U b) {
+  using F = std::conditional_t<sizeof(U) == 4, float, double>;
+  const F sum = std::bit_cast<F>(a) + std::bit_cast<F>(b);
+  return std::bit_cast<U>(sum == sum ? sum : std::numeric_limits<F>::quiet_NaN());
+}
 
 // What an atomic leaves in memory when it finds `old`. U is unsigned, of the access's width.
 template <class U>
@@ -33,6 +44,8 @@ U atomic_result(ir::AtomicOp op, U old, U value, U comparand) {
       return std::max(old, value);
     case ir::AtomicOp::kExchange:
       return value;
+    case ir::AtomicOp::kFAdd:
+      return float_sum(old, value);
     case ir::AtomicOp::kCompareExchange:
       return old == comparand ? value : old;
   }

@@ -101,7 +101,8 @@ const OpInfo& op_info(Op op);
 // a op b equals b op a for all values (the sign and payload of a NaN apart, which are unspecified).
 bool is_commutative(Op op);
 
-enum class AtomicOp : uint8_t { kAdd, kAnd, kOr, kXor, kSMin, kSMax, kUMin, kUMax, kExchange, kCompareExchange };
+// kFAdd adds the binary32 or binary64 numbers that the bits of an I32 or I64 are; a NaN is stored in FCanon's pattern.
+enum class AtomicOp : uint8_t { kAdd, kAnd, kOr, kXor, kSMin, kSMax, kUMin, kUMax, kExchange, kFAdd, kCompareExchange };
 
 // Reduce: what is combined, and how far.
 enum class ReduceOp : uint8_t { kIAdd, kIMul, kSMin, kSMax, kUMin, kUMax, kAnd, kOr, kXor, kFAdd, kFMul, kFMin, kFMax, kCount };
@@ -122,7 +123,7 @@ inline constexpr uint8_t kInvariant = 1;   // Load: nothing writes this memory w
 inline constexpr uint8_t kSpeculate = 2;   // Load: the address is valid for every lane, active or not
 inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whatever the mask (tile buffers)
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
-inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another (atomic loads: another thread may write meanwhile)
+inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another or moved (atomic loads: another thread may write)
 inline constexpr uint8_t kWrap = 32;       // Load, Store: offset + lane * lane_stride wraps at 2^32
 
 inline constexpr uint32_t kMaxOperands = 5;

@@ -358,7 +358,7 @@ class Generator {
     const Type t = options_.other_widths && random_.one_in(4) ? Type::kI64 : Type::kI32;
     const uint32_t size = size_bytes(t);
     const Value offset = b_.imul(b_.urem(any(Type::kI32), b_.i32(kScratchBytes / size + 2)), b_.i32(size));
-    const auto op = static_cast<AtomicOp>(random_.below(10));
+    const auto op = static_cast<AtomicOp>(random_.below(static_cast<uint32_t>(AtomicOp::kCompareExchange) + 1));
     const Value comparand = op == AtomicOp::kCompareExchange ? any(t) : Value{};
     keep(b_.atomic(op, {scratch_, offset, b_.i32(kScratchBytes), random_.one_in(3) ? size : 0}, any(t), comparand));
   }

@@ -10,8 +10,8 @@ namespace pineda::ir {
 
 inline constexpr const char* kRateNames[] = {"draw", "prim", "wave", "lane"};
 inline constexpr const char* kKindNames[] = {"vertex", "fragment", "compute"};
-inline constexpr const char* kAtomicNames[] = {"add",  "and",  "or",   "xor",      "smin",
-                                               "smax", "umin", "umax", "exchange", "compare_exchange"};
+inline constexpr const char* kAtomicNames[] = {
+    "add", "and", "or", "xor", "smin", "smax", "umin", "umax", "exchange", "fadd", "compare_exchange"};
 
 struct FlagName {
   uint8_t bit;

@@ -51,7 +51,9 @@ Emitter::V Emitter::emit_atomic(const ir::Inst& inst) {
     const llvm::MaybeAlign natural(a.size_bytes);
     constexpr auto kOrder = llvm::AtomicOrdering::SequentiallyConsistent;
     V old;
-    if (compare) {
+    if (inst.atomic_op() == AtomicOp::kFAdd) {
+      old = atomic_fadd(at, value);
+    } else if (compare) {
       V expected = slot_load(comparands, a.element, lane);
       old = b_.CreateExtractValue(b_.CreateAtomicCmpXchg(at, expected, value, natural, kOrder, kOrder), 0);
     } else {
@@ -60,6 +62,32 @@ Emitter::V Emitter::emit_atomic(const ir::Inst& inst) {
     slot_store(results, old, lane);
   });
   return b_.CreateLoad(type, results);
+}
+
+// Not LLVM's atomicrmw fadd: it would leave the NaN of the ISA in memory.
+Emitter::V Emitter::atomic_fadd(V at, V value) {
+  llvm::Type* bits = value->getType();
+  const bool is_f32 = bits->isIntegerTy(32);
+  llvm::Type* number = is_f32 ? b_.getFloatTy() : b_.getDoubleTy();
+  V nan = llvm::ConstantInt::get(bits, is_f32 ? 0x7fc00000u : 0x7ff8000000000000u);
+  V addend = b_.CreateBitCast(value, number);
+  const llvm::Align natural(bits->getIntegerBitWidth() / 8);
+  constexpr auto kOrder = llvm::AtomicOrdering::SequentiallyConsistent;
+  llvm::LoadInst* first = b_.CreateAlignedLoad(bits, at, natural);
+  first->setAtomic(kOrder);
+  llvm::BasicBlock *before = b_.GetInsertBlock(), *again = block("fadd"), *done = block("fadd.done");
+  b_.CreateBr(again);
+  start(again);
+  llvm::PHINode* expected = b_.CreatePHI(bits, 2);
+  expected->addIncoming(first, before);
+  V sum = b_.CreateFAdd(b_.CreateBitCast(expected, number), addend);
+  V wanted = b_.CreateSelect(b_.CreateFCmpUNO(sum, sum), nan, b_.CreateBitCast(sum, bits));
+  V exchange = b_.CreateAtomicCmpXchg(at, expected, wanted, natural, kOrder, kOrder);
+  V found = b_.CreateExtractValue(exchange, 0);
+  expected->addIncoming(found, again);
+  b_.CreateCondBr(b_.CreateExtractValue(exchange, 1), done, again);
+  start(done);
+  return found;
 }
 
 }  // namespace pineda::jit

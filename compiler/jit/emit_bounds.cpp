@@ -1,6 +1,7 @@
 // Bounds of accesses: which need no check, and the checks of the others.
 #include <algorithm>
 
+#include "compiler/ir/ranges.h"
 #include "compiler/ir/walk.h"
 #include "compiler/jit/emitter.h"
 
@@ -11,7 +12,7 @@ using ir::Op;
 // ---- ranges ---------------------------------------------------------------------------------------------------------------
 // Looks at the IR, not at LLVM's values: see Emitter::b_.
 
-constexpr uint64_t kAny = ~0u;
+constexpr uint64_t kAny = ir::kAnyU32;
 constexpr uint64_t kNonNegative = 0x7fffffff;
 
 // The largest value that an I32 can have, as far as its expression tells, and, in active lanes, what the Ifs and Loops around the
@@ -28,48 +29,8 @@ uint64_t Emitter::upper_bound(ir::Value v, bool with_facts, uint32_t depth) cons
 
 uint64_t Emitter::expression_bound(ir::Value v, bool with_facts, uint32_t depth) const {
   const ir::Inst& inst = kernel_.at(v);
-  const auto bound = [&](uint32_t i) { return upper_bound(inst.operand[i], with_facts, depth + 1); };
-  const auto unwrapped = [](uint64_t bound_64) { return bound_64 <= kAny ? bound_64 : kAny; };
-  const auto constant_count = [&] {
-    return kernel_.at(inst.operand[1]).op == Op::kConst ? kernel_.at(inst.operand[1]).imm & 31 : 32;
-  };
-  switch (inst.op) {
-    case Op::kConst:
-      return inst.imm;
-    case Op::kLane:
-      return kLanes - 1;
-    case Op::kZExt: {
-      const ir::Type from = kernel_.at(inst.operand[0]).type;
-      return from == ir::Type::kB1 ? 1 : (1u << 8 * ir::size_bytes(from)) - 1;
-    }
-    case Op::kAnd:
-    case Op::kUMin:
-      return std::min(bound(0), bound(1));
-    case Op::kUMax:
-      return std::max(bound(0), bound(1));
-    case Op::kSelect:
-      return std::max(bound(1), bound(2));
-    case Op::kIAdd:
-      return unwrapped(bound(0) + bound(1));
-    case Op::kIMul:
-      return unwrapped(bound(0) * bound(1));
-    case Op::kLShr:
-      return constant_count() < 32 ? bound(0) >> constant_count() : kAny;
-    case Op::kShl:
-      return constant_count() < 32 ? unwrapped(bound(0) << constant_count()) : kAny;
-    case Op::kURem:
-      return kernel_.at(inst.operand[1]).op == Op::kConst && kernel_.at(inst.operand[1]).imm != 0
-                 ? std::min(bound(0), kernel_.at(inst.operand[1]).imm - 1)
-                 : bound(0);
-    case Op::kUDiv:
-      return kernel_.at(inst.operand[1]).op == Op::kConst && kernel_.at(inst.operand[1]).imm != 0
-                 ? bound(0) / kernel_.at(inst.operand[1]).imm
-                 : kAny;
-    case Op::kLoopArg:
-      return with_facts ? carried_bound(v, depth) : kAny;
-    default:
-      return kAny;
-  }
+  if (inst.op == Op::kLoopArg) return with_facts ? carried_bound(v, depth) : kAny;
+  return ir::expression_bound(kernel_, inst, [&](ir::Value operand) { return upper_bound(operand, with_facts, depth + 1); });
 }
 
 // Calls fn for each comparison that holds where `condition` does.
@@ -142,6 +103,31 @@ uint64_t Emitter::carried_bound(ir::Value arg, uint32_t depth) const {
   return most == kAny ? kAny : std::max(first, most);
 }
 
+// A limit of the form "x <= c ? limit : 0" is what the translator gives an offset that may have wrapped (spirv/pointer.cpp). What
+// is known to hold is left out; else it is a condition of its own, so that the limit stays uniform.
+bool Emitter::is_known_true(ir::Value condition, bool with_facts) const {
+  const ir::Inst& inst = kernel_.at(condition);
+  if (inst.op == Op::kConst) return inst.imm != 0;
+  if (inst.op == Op::kAnd) return is_known_true(inst.operand[0], with_facts) && is_known_true(inst.operand[1], with_facts);
+  if (inst.op != Op::kULe || kernel_.at(inst.operand[0]).type != ir::Type::kI32) return false;
+  const ir::Inst& right = kernel_.at(inst.operand[1]);
+  if (right.op == Op::kConst) return upper_bound(inst.operand[0], with_facts) <= right.imm;
+  if (right.op != Op::kIAdd) return false;  // x <= x + y: the sum does not wrap
+  const bool is_part = right.operand[0] == inst.operand[0] || right.operand[1] == inst.operand[0];
+  return is_part && upper_bound(right.operand[0], with_facts) + upper_bound(right.operand[1], with_facts) <= kAny;
+}
+
+void Emitter::set_limit(Access& a, ir::Value limit, bool with_facts) {
+  const ir::Inst& inst = kernel_.at(limit);
+  const bool guarded =
+      inst.op == Op::kSelect && kernel_.at(inst.operand[2]).op == Op::kConst && kernel_.at(inst.operand[2]).imm == 0;
+  if (guarded && is_known_true(inst.operand[0], with_facts)) return set_limit(a, inst.operand[1], with_facts);
+  const bool split = guarded && is_lane(inst.operand[0]) && !is_lane(inst.operand[1]);
+  if (split) a.where = vector(inst.operand[0]);
+  const ir::Value plain = split ? inst.operand[1] : limit;
+  a.limit = get(plain, is_lane(plain));
+}
+
 // ---- checks ---------------------------------------------------------------------------------------------------------------
 
 bool Emitter::is_known_in_bounds(const Access& a) const {
@@ -188,7 +174,7 @@ Emitter::V Emitter::uniform_in_bounds(const Access& a) {
 }
 
 Emitter::V Emitter::lanes_in_bounds(const Access& a) {
-  if (a.limit == nullptr || is_known_in_bounds(a)) return nullptr;
+  if (a.limit == nullptr || is_known_in_bounds(a)) return a.where;
   std::vector<uint32_t> k_less_1(kLanes);
   for (uint32_t l = 0; l < kLanes; ++l) {
     // Saturated: a k beyond 2^32 lets nothing in, whatever the limit, as the difference is then 0.
@@ -199,7 +185,10 @@ Emitter::V Emitter::lanes_in_bounds(const Access& a) {
                ? in_lanes(b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, a.limit, b_.getInt32(a.size_bytes - 1)))
                : b_.CreateBinaryIntrinsic(llvm::Intrinsic::usub_sat, in_lanes(a.limit),
                                           llvm::ConstantDataVector::get(context_, k_less_1));
-  return from_i1(b_.CreateICmpULT(in_lanes(a.offset), room));
+  return both(from_i1(b_.CreateICmpULT(in_lanes(a.offset), room)), a.where);
 }
+
+// Of masks that may be null: all lanes.
+Emitter::V Emitter::both(V a, V b) { return a == nullptr ? b : b == nullptr ? a : b_.CreateAnd(a, b); }
 
 }  // namespace pineda::jit

@@ -9,31 +9,45 @@ using ir::Op;
 using ir::Type;
 
 bool Emitter::Access::uniform() const {
-  return !is_vector(base) && !is_vector(offset) && (limit == nullptr || !is_vector(limit)) && lane_stride_bytes == 0;
+  return !is_vector(base) && !is_vector(offset) && (limit == nullptr || !is_vector(limit)) && where == nullptr &&
+         lane_stride_bytes == 0;
 }
 
 bool Emitter::Access::contiguous() const { return !is_vector(base) && !is_vector(offset) && lane_stride_bytes == size_bytes; }
 
 Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
   const auto own_shape = [&](ir::Value v) { return get(v, is_lane(v)); };
-  const ir::Value limit = ir::limit_of(inst);
   // What the control flow tells holds for active lanes only.
-  const uint64_t bound = upper_bound(inst.operand[1], (inst.flags & (ir::kSpeculate | ir::kAllLanes)) == 0);
-  return {.base = own_shape(inst.operand[0]),
-          .offset = own_shape(inst.operand[1]),
-          .limit = limit ? own_shape(limit) : nullptr,
-          .lane_stride_bytes = inst.lane_stride(),
-          .size_bytes = static_cast<uint32_t>(element->getPrimitiveSizeInBits() / 8),
-          .element = element,
-          .invariant = (inst.flags & ir::kInvariant) != 0,
-          .wraps = (inst.flags & ir::kWrap) != 0,
-          .small_offset = bound < kSmallOffset,
-          .offset_bound = bound};
+  const bool with_facts = (inst.flags & (ir::kSpeculate | ir::kAllLanes)) == 0;
+  const uint64_t bound = upper_bound(inst.operand[1], with_facts);
+  Access a{.base = own_shape(inst.operand[0]),
+           .offset = own_shape(inst.operand[1]),
+           .lane_stride_bytes = inst.lane_stride(),
+           .size_bytes = static_cast<uint32_t>(element->getPrimitiveSizeInBits() / 8),
+           .element = element,
+           .invariant = (inst.flags & ir::kInvariant) != 0,
+           .wraps = (inst.flags & ir::kWrap) != 0,
+           .small_offset = bound < kSmallOffset,
+           .offset_bound = bound};
+  if (const ir::Value limit = ir::limit_of(inst)) set_limit(a, limit, with_facts);
+  return a;
 }
 
 // ---- loads ----------------------------------------------------------------------------------------------------------------
 
 Emitter::V Emitter::emit_load(const ir::Inst& inst) {
+  if ((inst.flags & ir::kVolatile) == 0) return emit_plain_load(inst);
+  forget_memory();
+  V loaded = emit_plain_load(inst);
+  forget_memory();
+  return loaded;
+}
+
+// Another thread may have written anything, so LLVM merges and moves no access across this place. Masked loads and gathers have
+// no volatile form; this works for all, and is no instruction.
+void Emitter::forget_memory() { b_.CreateFence(llvm::AtomicOrdering::SequentiallyConsistent, llvm::SyncScope::SingleThread); }
+
+Emitter::V Emitter::emit_plain_load(const ir::Inst& inst) {
   Access a = access_of(inst, element_type(inst.type));
   if (inst.rate != ir::Rate::kLane && !a.uniform()) return fail("a uniform load has a varying address", a.element);
   if (a.uniform()) return uniform_load(a);
@@ -49,7 +63,7 @@ Emitter::V Emitter::emit_load(const ir::Inst& inst) {
 // All lanes at once when they are in bounds and their addresses do not wrap, which one scalar comparison tells; else each by
 // itself.
 Emitter::V Emitter::consecutive_load(const Access& a, bool speculate) {
-  V mask = speculate || exec_.full() ? nullptr : exec_.lanes;
+  V mask = both(speculate || exec_.full() ? nullptr : exec_.lanes, a.where);
   V near = is_near(a);
   if (near == nullptr) return contiguous_load(a, mask);
   llvm::BasicBlock *fast = block("load.near"), *slow = block("load.far"), *done = block("load.done");
@@ -60,8 +74,7 @@ Emitter::V Emitter::consecutive_load(const Access& a, bool speculate) {
   b_.CreateBr(done);
   start(slow);
   const Access each = lane_by_lane(a);
-  V in_bounds = lanes_in_bounds(each);
-  V gathered = gather(each, in_bounds == nullptr ? mask : mask == nullptr ? in_bounds : b_.CreateAnd(in_bounds, mask));
+  V gathered = gather(each, both(lanes_in_bounds(each), mask));
   llvm::BasicBlock* slow_end = b_.GetInsertBlock();
   b_.CreateBr(done);
   start(done);
@@ -139,7 +152,7 @@ void Emitter::emit_store(const ir::Inst& inst) {
 }
 
 void Emitter::consecutive_store(const Access& a, V value, bool all_lanes) {
-  V mask = all_lanes || exec_.full() ? nullptr : exec_.lanes;
+  V mask = both(all_lanes || exec_.full() ? nullptr : exec_.lanes, a.where);
   V near = is_near(a);
   if (near == nullptr) return contiguous_store(a, value, mask);
   llvm::BasicBlock *fast = block("store.near"), *slow = block("store.far"), *done = block("store.done");
@@ -149,8 +162,7 @@ void Emitter::consecutive_store(const Access& a, V value, bool all_lanes) {
   b_.CreateBr(done);
   start(slow);
   const Access each = lane_by_lane(a);
-  V in_bounds = lanes_in_bounds(each);
-  scatter(each, value, in_bounds == nullptr ? mask : mask == nullptr ? in_bounds : b_.CreateAnd(in_bounds, mask));
+  scatter(each, value, both(lanes_in_bounds(each), mask));
   b_.CreateBr(done);
   start(done);
 }

@@ -67,6 +67,7 @@ class Emitter {
   // One Load, Store or Atomic. `base` is i64, `offset` and `limit` are i32; each is a vector when it varies.
   struct Access {
     V base = nullptr, offset = nullptr, limit = nullptr;
+    V where = nullptr;  // mask: lanes that may be accessed, beside what the limit tells; null: all
     uint32_t lane_stride_bytes = 0, size_bytes = 0;
     llvm::Type* element = nullptr;
     bool invariant = false;
@@ -198,6 +199,8 @@ class Emitter {
   // ---- emit_memory.cpp
   Access access_of(const ir::Inst& inst, llvm::Type* element);
   V emit_load(const ir::Inst& inst);
+  V emit_plain_load(const ir::Inst& inst);
+  void forget_memory();
   void emit_store(const ir::Inst& inst);
   V uniform_load(const Access& a);
   V consecutive_load(const Access& a, bool speculate);
@@ -220,6 +223,9 @@ class Emitter {
   void for_each_implied(ir::Value condition, const std::function<void(const ir::Inst&)>& fn, uint32_t depth) const;
   void learn(ir::Value condition);
   bool is_known_in_bounds(const Access& a) const;
+  bool is_known_true(ir::Value condition, bool with_facts) const;
+  void set_limit(Access& a, ir::Value limit, bool with_facts);
+  V both(V a, V b);
   static uint64_t reach_bytes(const Access& a);
   V is_near(const Access& a);
   Access lane_by_lane(const Access& a);
@@ -246,6 +252,7 @@ class Emitter {
 
   // ---- emit_atomic.cpp
   V emit_atomic(const ir::Inst& inst);
+  V atomic_fadd(V at, V value);
 
   // ---- emit_local.cpp
   void create_locals();

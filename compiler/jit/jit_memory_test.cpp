@@ -2,6 +2,9 @@
 // of bounds, must not touch memory, and what is read must be what the evaluator reads.
 #include <sys/mman.h>
 
+#include <chrono>
+#include <thread>
+
 #include "compiler/jit/test_rig.h"
 #include "compiler/passes/passes.h"
 
@@ -404,6 +407,34 @@ TEST(JitMemory, TooManyLocalsAreRefused) {
   b.local_store(array, b.lane(), b.lane());
   const Compiled compiled(kernel, {});
   EXPECT_NE(compiled.code.error.find("private arrays"), std::string::npos) << compiled.code.error;
+}
+
+// A loop that only another thread's store can end: LLVM must neither merge the loads of its turns nor move them out.
+TEST(JitMemory, VolatileLoadsSeeOtherThreads) {
+  for (const bool gathers : {false, true}) {
+    ir::Kernel kernel{.wave_stride_bytes = sizeof(MemoryWave)};
+    Builder b(kernel);
+    const Value base = b.load(Type::kPtr, b.wave_ptr(), offsetof(MemoryWave, base), ir::kInvariant | ir::kSpeculate);
+    const Value offset = gathers ? b.shl(b.and_(b.lane(), b.i32(1)), b.i32(2)) : b.i32(0);
+    b.loop({}, [&](std::span<const Value>) {
+      const Value seen = b.load(Type::kI32, {.base = base, .offset = offset, .limit = b.i32(8)}, ir::kVolatile);
+      return Builder::LoopStep{b.ieq(seen, b.i32(0)), {}};
+    });
+    passes::rates(kernel);
+    for (Isa isa : isas()) {
+      const Compiled compiled(kernel, {.isa = isa});
+      ASSERT_EQ(compiled.code.error, "") << isa_name(isa);
+      alignas(8) uint32_t words[2] = {0, 0};
+      MemoryWave wave{.mask = 0xffff, .base = reinterpret_cast<uint64_t>(words)};
+      std::thread other([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        for (uint32_t& w : words) __atomic_store_n(&w, 1, __ATOMIC_SEQ_CST);
+      });
+      const PrimRecord prim{nullptr, 0, 1};
+      KernelHandle{compiled.code.fn, nullptr}(nullptr, nullptr, &prim, 1, &wave);  // or this never returns
+      other.join();
+    }
+  }
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ class ComputeStage final : public Stage {
  public:
   ComputeStage(Builder& b, const compiler::ComputeSource& source, const std::array<uint32_t, 3>& local_size)
       : Stage(*source.layout, source.textures), local_size_(local_size) {
-    first_ = b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed);
+    // That both are small is said by masks that change nothing, for who asks how large offsets get (ir/ranges.h).
+    first_ = b.and_(b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed), b.i32(kMaxInvocation));
     local_index_ = b.iadd(first_, b.lane());
   }
 
@@ -50,8 +51,11 @@ class ComputeStage final : public Stage {
   }
 
  private:
+  static constexpr uint32_t kMaxInvocation = 1023, kMaxWorkgroup = 0xffff;  // icd/limits.cpp
+
   static Value workgroup_id(Builder& b, uint32_t axis) {
-    return b.load(Type::kI32, b.prim_ptr(), static_cast<uint32_t>(offsetof(WorkgroupRecord, id) + 4 * axis), kFixed);
+    const auto offset = static_cast<uint32_t>(offsetof(WorkgroupRecord, id) + 4 * axis);
+    return b.and_(b.load(Type::kI32, b.prim_ptr(), offset, kFixed), b.i32(kMaxWorkgroup));
   }
 
   // first_invocation is a multiple of 16. Where waves are rows of the workgroup, or whole rows fill waves, each axis is the sum

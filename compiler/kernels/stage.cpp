@@ -191,6 +191,14 @@ std::optional<std::array<Value, 4>> Stage::image_load(Builder& b, const spirv::I
   return *texel;
 }
 
+std::optional<ir::Address> Stage::image_texel(Builder& b, const spirv::ImageAccess& access) {
+  const Value image = image_descriptor(b, access.image);
+  if (!image) return std::nullopt;
+  const Result<ir::Address> texel = storage_texel(b, image, access);
+  if (!texel) return refuse(texel.error().text);
+  return *texel;
+}
+
 bool Stage::image_store(Builder& b, const spirv::ImageAccess& access, std::span<const Value> texel) {
   const Value image = image_descriptor(b, access.image);
   if (!image) return false;

@@ -20,6 +20,7 @@ class Stage : public spirv::StageInterface {
   std::optional<std::array<ir::Value, 4>> sample(ir::Builder& b, const spirv::SampleRequest& request) override;
   std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const spirv::ImageQuery& query) override;
   std::optional<std::array<ir::Value, 4>> image_load(ir::Builder& b, const spirv::ImageAccess& access) override;
+  std::optional<ir::Address> image_texel(ir::Builder& b, const spirv::ImageAccess& access) override;
   bool image_store(ir::Builder& b, const spirv::ImageAccess& access, std::span<const ir::Value> texel) override;
   ir::Value covered(ir::Builder&) override { return {}; }
   std::array<ir::Value, 2> address_ranges(ir::Builder& b) override;

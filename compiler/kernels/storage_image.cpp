@@ -132,6 +132,11 @@ Result<Channels> load_storage_image(Builder& b, Value image, const spirv::ImageA
   return Channels{texel[0], texel[1], texel[2], texel[3]};
 }
 
+Result<ir::Address> storage_texel(Builder& b, Value image, const spirv::ImageAccess& access) {
+  if (const auto ok = check(access); !ok) return std::unexpected(ok.error());
+  return texel_address(b, locate(b, image, access), *find_format(access.format));
+}
+
 Result<void> store_storage_image(Builder& b, Value image, const spirv::ImageAccess& access, std::span<const Value> texel) {
   if (const auto ok = check(access); !ok) return std::unexpected(ok.error());
   const FormatInfo* declared = find_format(access.format);

@@ -8,6 +8,8 @@
 namespace pineda::kernels {
 
 Result<Channels> load_storage_image(ir::Builder& b, ir::Value image, const spirv::ImageAccess& access);
+// For atomics on R32 formats.
+Result<ir::Address> storage_texel(ir::Builder& b, ir::Value image, const spirv::ImageAccess& access);
 Result<void> store_storage_image(ir::Builder& b, ir::Value image, const spirv::ImageAccess& access,
                                  std::span<const ir::Value> texel);
 

@@ -40,10 +40,19 @@ class Rewriter {
  private:
   bool varies(Value v) const { return v && kernel_.at(v).rate == Rate::kLane; }
 
+  // "condition ? uniform limit : 0" is a limit for some lanes (jit/emit_bounds.cpp).
+  bool limit_varies(Value limit) const {
+    if (!varies(limit)) return false;
+    const Inst& inst = kernel_.at(limit);
+    if (inst.op != Op::kSelect || varies(inst.operand[1])) return true;
+    const Inst& other = kernel_.at(inst.operand[2]);
+    return other.op != Op::kConst || other.imm != 0;
+  }
+
   void access(Value v) {
     const Inst inst = kernel_.at(v);
     if (inst.op == Op::kAtomic || inst.lane_stride() != 0 || !varies(inst.operand[1])) return;
-    if (varies(inst.operand[0]) || varies(ir::limit_of(inst))) return;
+    if (varies(inst.operand[0]) || limit_varies(ir::limit_of(inst))) return;
     const Type type = inst.op == Op::kStore ? kernel_.at(inst.operand[2]).type : inst.type;
     if (factor(inst.operand[1], 0) != ir::size_bytes(type)) return;
     Value offset = uniform(inst.operand[1]);

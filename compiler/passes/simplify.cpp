@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/abi.h"
+#include "compiler/ir/ranges.h"
 #include "compiler/passes/rewrite.h"
 
 namespace pineda::passes {
@@ -244,6 +245,9 @@ Outcome Simplifier::compare(Inst& inst) {
   }
   if (op == Op::kULt && is_imm(inst.operand[1], 0)) return is_const(Type::kB1, 0);
   if (op == Op::kULe && is_imm(inst.operand[0], 0)) return is_const(Type::kB1, 1);
+  if (op == Op::kULe && imm(inst.operand[1]) && type(inst.operand[0]) == Type::kI32 &&
+      ir::upper_bound(kernel_, inst.operand[0]) <= *imm(inst.operand[1]))
+    return is_const(Type::kB1, 1);
   return op == Op::kIEq || op == Op::kINe ? compare_with_const(inst) : kNothing;
 }
 

@@ -330,9 +330,7 @@ void fetch(Translator& t, const Instruction& inst) {
 
 // ---- storage images ----
 
-ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_word, uint32_t coordinate_word,
-                       uint32_t operands_word) {
-  const Opaque o = t.opaque(inst, image_word);
+ImageAccess access_of(Translator& t, const Instruction& inst, const Opaque& o, uint32_t coordinate_word) {
   const ImageType& image = image_type(t, inst, o);
   if (!image.storage || image.dim == spv::DimSubpassData) inst.fail("the image is not a storage image");
   ImageAccess a{.image = o.image};
@@ -343,6 +341,14 @@ ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_wo
   // A cube's third coordinate is the face, or layer * 6 + face.
   const uint32_t count = image.dim == spv::DimCube ? 3 : dimensions(image) + (image.arrayed ? 1 : 0);
   a.coord = coordinates(t, inst, coordinate_word, count, false);
+  return a;
+}
+
+ImageAccess access_for(Translator& t, const Instruction& inst, uint32_t image_word, uint32_t coordinate_word,
+                       uint32_t operands_word) {
+  const Opaque o = t.opaque(inst, image_word);
+  const ImageType& image = image_type(t, inst, o);
+  ImageAccess a = access_of(t, inst, o, coordinate_word);
   const Operands operands = read_operands(t, inst, operands_word, ir::Type::kI32);
   if (image.multisampled && !operands.sample) inst.fail("a multisampled image is accessed without a sample");
   if (image.multisampled) a.sample = operands.sample;
@@ -394,6 +400,26 @@ void write(Translator& t, const Instruction& inst) {
   if (!ok) inst.fail("this image cannot be written here");
 }
 
+// A pointer whose base, limit and offset the kernel computes; only atomics use it.
+void texel_pointer(Translator& t, const Instruction& inst) {
+  const Pointer variable = t.pointer(inst, 3);
+  if (variable.storage != spv::StorageClassUniformConstant) inst.fail("needs a pointer to an image");
+  const Type& type = t.m.type(variable.pointee);
+  if (type.kind != TypeKind::kImage) inst.fail("needs a pointer to an image");
+  ImageAccess a = access_of(t, inst, opaque_of(t, inst, variable), 4);
+  if (ir::size_bytes(a.component) != 4) inst.fail("only 32-bit texels have atomics");
+  const bool has_atomics = a.format == VK_FORMAT_R32_UINT || a.format == VK_FORMAT_R32_SINT || a.format == VK_FORMAT_R32_SFLOAT;
+  if (!has_atomics) inst.fail("atomics need an image declared as R32ui, R32i or R32f");
+  if (type.image.multisampled) a.sample = t.scalar(inst, 5, ir::Type::kI32);
+  const std::optional<ir::Address> texel = t.stage.image_texel(t.b, a);
+  if (!texel) inst.fail("this image has no atomics here");
+  t.define(inst, Pointer{.pointee = type.element,
+                         .storage = spv::StorageClassImage,
+                         .index = texel->offset,
+                         .base = texel->base,
+                         .size_bytes = texel->limit});
+}
+
 void sampled_image(Translator& t, const Instruction& inst) {
   Opaque o = t.opaque(inst, 3);
   const Opaque sampler = t.opaque(inst, 4);
@@ -429,6 +455,7 @@ constexpr OpRow kRows[] = {
     PINEDA_SPIRV_ROW(ImageDrefGather, 6, gather<Compare::kYes>),
     PINEDA_SPIRV_ROW(ImageRead, 5, read),
     PINEDA_SPIRV_ROW(ImageWrite, 4, write),
+    PINEDA_SPIRV_ROW(ImageTexelPointer, 6, texel_pointer),
 };
 
 }  // namespace

@@ -36,6 +36,10 @@ void query_levels(Translator& t, const Instruction& inst) {
   t.define(inst, Values{ask(t, inst, query_for(t, inst, ImageQuery::Kind::kLevels))[0]});
 }
 
+void query_samples(Translator& t, const Instruction& inst) {
+  t.define(inst, Values{ask(t, inst, query_for(t, inst, ImageQuery::Kind::kSamples))[0]});
+}
+
 void query_lod(Translator& t, const Instruction& inst) {
   if (!t.is_fragment()) inst.fail("needs a fragment shader");
   t.found().uses_derivatives = true;
@@ -52,6 +56,7 @@ constexpr OpRow kRows[] = {
     PINEDA_SPIRV_ROW(ImageQuerySizeLod, 5, query_size_lod),
     PINEDA_SPIRV_ROW(ImageQuerySize, 4, query_size),
     PINEDA_SPIRV_ROW(ImageQueryLevels, 4, query_levels),
+    PINEDA_SPIRV_ROW(ImageQuerySamples, 4, query_samples),
     PINEDA_SPIRV_ROW(ImageQueryLod, 5, query_lod),
 };
 

@@ -1,6 +1,8 @@
 // Loads and stores through resolved pointers, and the instructions made of them.
 #include <algorithm>
 
+#include "compiler/ir/ranges.h"
+#include "compiler/spirv/image.h"
 #include "compiler/spirv/opcodes.h"
 #include "compiler/spirv/pointer.h"
 
@@ -114,8 +116,18 @@ ir::Address Translator::address(const Instruction& inst, const Pointer& p, uint3
   const uint64_t start = static_offset_bytes(p) + extra_bytes;
   if (start > 0xffffffffull) inst.fail("an offset is beyond 4 GiB");
   ir::Value offset = b.i32(static_cast<uint32_t>(start));
-  if (p.index) offset = b.iadd(p.index, offset);
-  return {.base = ref.base, .offset = offset, .limit = ref.size_bytes};
+  if (!p.index) return {.base = ref.base, .offset = offset, .limit = ref.size_bytes};
+  offset = b.iadd(p.index, offset);
+  // The dynamic part is a multiple of its alignment, so a smaller constant cannot make it wrap.
+  ir::Value in_range = p.in_range;
+  if (start >= p.index_alignment_bytes && p.index_alignment_bytes > 1) {
+    const auto most = static_cast<uint32_t>((ir::kAnyU32 - start) / p.index_alignment_bytes * p.index_alignment_bytes);
+    if (ir::upper_bound(b.kernel(), p.index) > most) {
+      const ir::Value fits = b.ule(p.index, b.i32(most));
+      in_range = in_range ? b.and_(in_range, fits) : fits;
+    }
+  }
+  return {.base = ref.base, .offset = offset, .limit = in_range ? b.select(in_range, ref.size_bytes, b.i32(0)) : ref.size_bytes};
 }
 
 // Memory that begins where a descriptor points is aligned by the rules for descriptors; what lies in it may not be.
@@ -214,9 +226,10 @@ void Translator::store_memory(const Instruction& inst, const Pointer& to, const 
 
 // ---- instructions ---------------------------------------------------------------------------------------------------------
 
-namespace {
+namespace {}  // namespace
 
-Opaque load_opaque(Translator& t, const Instruction& inst, const Pointer& p, const Type& type) {
+Opaque opaque_of(Translator& t, const Instruction& inst, const Pointer& p) {
+  const Type& type = t.m.type(p.pointee);
   const Decorations& d = t.m.decorations_of(p.variable);
   if (!d.set || !d.binding) inst.fail("%" + std::to_string(p.variable) + " has no DescriptorSet or Binding");
   const ImageRef ref{.set = *d.set, .binding = *d.binding, .array_index = p.descriptor, .index = p.descriptor_index};
@@ -232,12 +245,13 @@ Opaque load_opaque(Translator& t, const Instruction& inst, const Pointer& p, con
   }
 }
 
+namespace {
+
 void op_load(Translator& t, const Instruction& inst) {
   const Pointer p = t.pointer(inst, 3);
   if (p.pointee != inst.word(1)) inst.fail("the result type is not what is pointed to");
-  const Type& type = t.result_type(inst);
   if (p.storage == spv::StorageClassUniformConstant)
-    t.define(inst, load_opaque(t, inst, p, type));
+    t.define(inst, opaque_of(t, inst, p));
   else
     t.define(inst, t.load(inst, p));
 }

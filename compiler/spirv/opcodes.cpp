@@ -27,6 +27,7 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(DecorateString, 4, nullptr),
     PINEDA_SPIRV_ROW(MemberDecorateString, 5, nullptr),
     PINEDA_SPIRV_ROW(MemberDecorate, 4, nullptr),
+    PINEDA_SPIRV_ROW(DecorationGroup, 2, nullptr),
     PINEDA_SPIRV_ROW(GroupDecorate, 2, nullptr),
     PINEDA_SPIRV_ROW(GroupMemberDecorate, 2, nullptr),
     PINEDA_SPIRV_ROW(TypeVoid, 2, nullptr),
@@ -68,26 +69,24 @@ constexpr OpRow kStructureRows[] = {
     PINEDA_SPIRV_ROW(Unreachable, 1, nullptr),
 };
 
-// Not supported; here for their names in messages.
-constexpr OpRow kRefusedRows[] = {
-    PINEDA_SPIRV_ROW(ImageTexelPointer, 6, nullptr),
-    PINEDA_SPIRV_ROW(ImageQuerySamples, 4, nullptr),
-    PINEDA_SPIRV_ROW(ImageSparseSampleImplicitLod, 5, nullptr),
-    PINEDA_SPIRV_ROW(ImageSparseSampleExplicitLod, 7, nullptr),
-    PINEDA_SPIRV_ROW(ImageSparseFetch, 5, nullptr),
-    PINEDA_SPIRV_ROW(ImageSparseRead, 5, nullptr),
-    PINEDA_SPIRV_ROW(EmitVertex, 1, nullptr),
-    PINEDA_SPIRV_ROW(EndPrimitive, 1, nullptr),
-    PINEDA_SPIRV_ROW(GroupNonUniformElect, 4, nullptr),
-    PINEDA_SPIRV_ROW(GroupNonUniformAll, 5, nullptr),
-    PINEDA_SPIRV_ROW(GroupNonUniformAny, 5, nullptr),
-    PINEDA_SPIRV_ROW(GroupNonUniformBallot, 5, nullptr),
-    PINEDA_SPIRV_ROW(GroupNonUniformBroadcast, 6, nullptr),
-    PINEDA_SPIRV_ROW(AtomicFAddEXT, 7, nullptr),
-    PINEDA_SPIRV_ROW(AtomicFlagTestAndSet, 6, nullptr),
-    PINEDA_SPIRV_ROW(AtomicFlagClear, 4, nullptr),
-    PINEDA_SPIRV_ROW(DecorationGroup, 2, nullptr),
+// Every instruction that there is, for messages.
+struct OpName {
+  uint32_t op;
+  const char *name, *capabilities;
 };
+constexpr OpName kNames[] = {
+#define PINEDA_SPIRV_OP(value, name, capabilities) {value, name, capabilities},
+#define PINEDA_SPIRV_CAPABILITY(value, name)
+#include "compiler/spirv/names.inc"
+#undef PINEDA_SPIRV_OP
+#undef PINEDA_SPIRV_CAPABILITY
+};
+static_assert(std::ranges::is_sorted(kNames, {}, &OpName::op));
+
+const OpName* find_name(spv::Op op) {
+  const auto found = std::ranges::lower_bound(kNames, static_cast<uint32_t>(op), {}, &OpName::op);
+  return found != std::end(kNames) && found->op == static_cast<uint32_t>(op) ? &*found : nullptr;
+}
 
 constexpr uint32_t kDirect = 512;  // core opcodes; extensions' are above 4000 and few
 
@@ -106,7 +105,6 @@ struct Table {
 
   Table() {
     add(kStructureRows);
-    add(kRefusedRows);
     add(arith_rows());
     add(logic_rows());
     add(composite_rows());
@@ -132,8 +130,16 @@ const OpRow* find_op(spv::Op op) {
 }
 
 std::string op_name(spv::Op op) {
-  const OpRow* row = find_op(op);
-  return row ? row->name : "opcode " + std::to_string(static_cast<uint32_t>(op));
+  const OpName* name = find_name(op);
+  return name ? name->name : "opcode " + std::to_string(static_cast<uint32_t>(op));
+}
+
+std::string why_unsupported(spv::Op op) {
+  const OpName* name = find_name(op);
+  if (!name) return "there is no such instruction";
+  if (find_op(op)) return "does not belong into a function's body";
+  const std::string capabilities = name->capabilities;
+  return capabilities.empty() ? "is not supported" : "is not supported (capability " + capabilities + ")";
 }
 
 }  // namespace pineda::spirv

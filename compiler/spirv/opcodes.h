@@ -9,12 +9,11 @@ using Handler = void (*)(Translator&, const Instruction&);
 
 struct OpRow {
   spv::Op op;
-  const char* name;
   uint16_t min_words;
   Handler handler;  // null: not an instruction of a block's body
 };
 #define PINEDA_SPIRV_ROW(name, min_words, ...) \
-  { spv::Op##name, "Op" #name, min_words, __VA_ARGS__ }
+  { spv::Op##name, min_words, __VA_ARGS__ }
 
 std::span<const OpRow> arith_rows();
 std::span<const OpRow> logic_rows();
@@ -30,6 +29,7 @@ std::span<const OpRow> subgroup_rows();
 std::span<const OpRow> other_rows();  // calls, extended instructions, derivatives, barriers, discards
 
 const OpRow* find_op(spv::Op op);
+std::string why_unsupported(spv::Op op);  // of an instruction without handler: for Instruction::fail
 
 // GLSL.std.450 (glsl450*.cpp); operands begin at word 5.
 struct ExtRow {

@@ -1,6 +1,7 @@
 // Access chains: from a pointer and indices to a pointer whose offset is known, in scalars (flat memory) or bytes (all other).
 #include "compiler/spirv/pointer.h"
 
+#include "compiler/ir/ranges.h"
 #include "compiler/spirv/opcodes.h"
 
 namespace pineda::spirv {
@@ -24,12 +25,28 @@ void add_static(const Instruction& inst, Pointer& p, uint64_t amount) {
   p.offset = static_cast<uint32_t>(sum);
 }
 
-// offset += index * stride
+void require(Translator& t, Pointer& p, bool is_known, const std::function<ir::Value()>& condition) {
+  if (is_known) return;
+  const ir::Value holds = condition();
+  p.in_range = p.in_range ? t.b.and_(p.in_range, holds) : holds;
+}
+
+// offset += index * stride. Offsets are computed modulo 2^32: where they wrap the access is out of bounds, not somewhere else in
+// the buffer (robustBufferAccess2). Flat memory is bounded by its own length.
 void advance(Translator& t, const Instruction& inst, Pointer& p, const Index& index, uint64_t stride) {
   if (index.is_constant) return add_static(inst, p, index.constant * stride);
   if (stride > 0xffffffffull) inst.fail("a stride is beyond 4 GiB");
   const ir::Value scaled = t.b.imul(index.value, t.b.i32(static_cast<uint32_t>(stride)));
-  p.index = p.index ? t.b.iadd(p.index, scaled) : scaled;
+  if (!is_flat(p.storage) && stride != 0) {
+    const auto most = static_cast<uint32_t>(ir::kAnyU32 / stride);
+    require(t, p, ir::upper_bound(t.b.kernel(), index.value) <= most, [&] { return t.b.ule(index.value, t.b.i32(most)); });
+  }
+  const ir::Value sum = p.index ? t.b.iadd(p.index, scaled) : scaled;
+  if (!is_flat(p.storage) && p.index) {
+    const uint64_t most = ir::upper_bound(t.b.kernel(), p.index) + ir::upper_bound(t.b.kernel(), scaled);
+    require(t, p, most <= ir::kAnyU32, [&] { return t.b.ule(scaled, sum); });
+  }
+  p.index = sum;
   const auto divides = static_cast<uint32_t>(stride & (0 - stride));
   if (divides != 0) p.index_alignment_bytes = std::min(p.index_alignment_bytes, divides);
 }
@@ -144,7 +161,9 @@ uint32_t element_stride_bytes(Translator& t, const Instruction& inst, const Type
 
 void ptr_access_chain(Translator& t, const Instruction& inst) {
   Pointer p = t.pointer(inst, 3);
+  const ir::Value in_range = p.in_range;
   advance(t, inst, p, read_index(t, inst, 4), element_stride_bytes(t, inst, t.type_of(inst, 3)));
+  p.in_range = in_range;  // Element may be negative: this sum wraps as it should
   walk(t, inst, p, 5);
   t.define(inst, p);
 }

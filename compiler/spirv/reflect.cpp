@@ -35,6 +35,10 @@ class Recorder final : public StageInterface {
     add({.image = a.image, .sampler = a.image, .sampled = false, .view_type = a.view_type});
     return true;
   }
+  std::optional<ir::Address> image_texel(ir::Builder& b, const ImageAccess& a) override {
+    add({.image = a.image, .sampler = a.image, .sampled = false, .view_type = a.view_type});
+    return ir::Address{.base = b.draw_ptr(), .offset = b.i32(0), .limit = b.i32(0)};
+  }
   ir::Value covered(ir::Builder&) override { return {}; }
   std::array<ir::Value, 2> address_ranges(ir::Builder& b) override { return {b.draw_ptr(), b.i32(0)}; }
   ir::Value shared_memory(ir::Builder& b) override { return b.draw_ptr(); }

@@ -1,6 +1,11 @@
-// Subgroup instructions. A subgroup is a wave of 16 lanes; what is active is what the control flow says, helper invocations
-// included, but not what OpKill ended. Vectors go component by component. Results that SPIR-V leaves undefined (a source lane
-// that is inactive or does not exist) are what ir.h's Shuffle gives.
+// Subgroup instructions. A subgroup is a wave of 16 lanes. The lanes that take part are the active ones; in a fragment shader
+// without helper invocations and those that were discarded, as Vulkan allows ("Helper Invocations": group operations may treat
+// them as inactive), so that counts and elections are of invocations whose stores count. Where none but such lanes is active they
+// take part after all, so that a loop over the distinct values of a subgroup ends for them too. All active lanes get the result
+// of an operation that has one for the whole subgroup. Quad operations always see the whole quad.
+//
+// Vectors go component by component. Results that SPIR-V leaves undefined (a source lane that is inactive or does not exist) are
+// what ir.h's Shuffle gives.
 #include <algorithm>
 
 #include "base/abi.h"
@@ -18,57 +23,46 @@ using ir::Value;
 constexpr uint32_t kLaneBits = kLanes - 1;
 constexpr uint32_t kLog2Lanes = 4;
 
-// Runs `body` for the lanes that take part.
-Values for_active(Translator& t, const std::vector<Type>& types, const std::function<Values()>& body) {
-  if (!t.killed().local) return body();
-  return t.b.if_else(t.b.not_(t.b.get(t.killed())), types, body, [&] {
-    Values zeros;
-    for (Type type : types) zeros.push_back(t.b.zero(type));
-    return zeros;
-  });
-}
-
 void check_scope(Translator& t, const Instruction& inst) {
   if (t.m.constant_u32(inst, inst.word(3)) != spv::ScopeSubgroup) inst.fail("needs the scope Subgroup");
 }
 
+// The lanes that take part, as a mask (I32) that is the same for all active lanes.
+Value taking_part(Translator& t) {
+  const Value active = t.b.ballot(t.b.b1(true)), counting = t.lanes_with_effects();
+  if (!counting) return active;
+  const Value some = t.b.ballot(counting);
+  return t.b.select(t.b.ieq(some, t.b.i32(0)), active, some);
+}
+
+Value first_lane(Translator& t) { return t.b.ctz(taking_part(t)); }
+
+// Lanes that take part and where the condition holds.
+Value ballot_of(Translator& t, Value condition) { return t.b.and_(t.b.ballot(condition), taking_part(t)); }
+Value all_true(Translator& t, Value condition) { return t.b.ieq(ballot_of(t, t.b.not_(condition)), t.b.i32(0)); }
+
 // Defines the instruction's result, component by component of the value in `word`.
 void each(Translator& t, const Instruction& inst, uint32_t word, const std::function<Value(Value)>& fn) {
-  const Values in = t.values(inst, word);
-  std::vector<Type> types;
-  for (Value v : in) types.push_back(t.b.type(v));
-  t.define(inst, for_active(t, types, [&] {
-             Values out;
-             for (Value v : in) out.push_back(fn(v));
-             return out;
-           }));
+  Values out = t.values(inst, word);
+  for (Value& v : out) v = fn(v);
+  t.define(inst, std::move(out));
 }
-
-void one(Translator& t, const Instruction& inst, Type type, const std::function<Value()>& fn) {
-  t.define(inst, for_active(t, {type}, [&] { return Values{fn()}; }));
-}
-
-Value active_lanes(Builder& b) { return b.ballot(b.b1(true)); }
-Value first_lane(Builder& b) { return b.ctz(active_lanes(b)); }
-Value all_true(Builder& b, Value condition) { return b.ieq(b.ballot(b.not_(condition)), b.i32(0)); }
 
 // ---- elect and vote -------------------------------------------------------------------------------------------------------
 
 void elect(Translator& t, const Instruction& inst) {
   check_scope(t, inst);
-  one(t, inst, Type::kB1, [&] { return t.b.ieq(t.b.lane(), first_lane(t.b)); });
+  t.define(inst, Values{t.b.ieq(t.b.lane(), first_lane(t))});
 }
 
 template <uint32_t kWord>
 void all(Translator& t, const Instruction& inst) {
-  const Value condition = t.scalar(inst, kWord, Type::kB1);
-  one(t, inst, Type::kB1, [&] { return all_true(t.b, condition); });
+  t.define(inst, Values{all_true(t, t.scalar(inst, kWord, Type::kB1))});
 }
 
 template <uint32_t kWord>
 void any(Translator& t, const Instruction& inst) {
-  const Value condition = t.scalar(inst, kWord, Type::kB1);
-  one(t, inst, Type::kB1, [&] { return t.b.ine(t.b.ballot(condition), t.b.i32(0)); });
+  t.define(inst, Values{t.b.ine(ballot_of(t, t.scalar(inst, kWord, Type::kB1)), t.b.i32(0))});
 }
 
 Value equal(Builder& b, Value x, Value y) {
@@ -79,25 +73,21 @@ Value equal(Builder& b, Value x, Value y) {
 template <uint32_t kWord>
 void all_equal(Translator& t, const Instruction& inst) {
   const Values in = t.values(inst, kWord);
-  one(t, inst, Type::kB1, [&] {
-    const Value first = first_lane(t.b);
-    Value same;
-    for (Value v : in) {
-      const Value this_one = equal(t.b, v, t.b.shuffle(v, first));
-      same = same ? t.b.and_(same, this_one) : this_one;
-    }
-    return all_true(t.b, same);
-  });
+  const Value first = first_lane(t);
+  Value same;
+  for (Value v : in) {
+    const Value this_one = equal(t.b, v, t.b.shuffle(v, first));
+    same = same ? t.b.and_(same, this_one) : this_one;
+  }
+  t.define(inst, Values{all_true(t, same)});
 }
 
 // ---- ballots: the mask is the first of four words -------------------------------------------------------------------------
 
 template <uint32_t kWord>
 void ballot(Translator& t, const Instruction& inst) {
-  const Value condition = t.scalar(inst, kWord, Type::kB1), zero = t.b.i32(0);
-  t.define(inst, for_active(t, std::vector<Type>(4, Type::kI32), [&] {
-             return Values{t.b.ballot(condition), zero, zero, zero};
-           }));
+  const Value zero = t.b.i32(0);
+  t.define(inst, Values{ballot_of(t, t.scalar(inst, kWord, Type::kB1)), zero, zero, zero});
 }
 
 Value ballot_word(Translator& t, const Instruction& inst, uint32_t word) {
@@ -152,7 +142,8 @@ void read_lane(Translator& t, const Instruction& inst) {
 
 template <uint32_t kWord>
 void read_first(Translator& t, const Instruction& inst) {
-  each(t, inst, kWord, [&](Value v) { return t.b.shuffle(v, first_lane(t.b)); });
+  const Value first = first_lane(t);
+  each(t, inst, kWord, [&](Value v) { return t.b.shuffle(v, first); });
 }
 
 enum class Move : uint8_t { kXor, kUp, kDown };
@@ -203,6 +194,17 @@ void quad_swap(Translator& t, const Instruction& inst) {
 
 // ---- arithmetic -----------------------------------------------------------------------------------------------------------
 
+// Only lanes that take part are combined; the others get what the whole subgroup gets, if the operation has one result.
+Value reduce(Translator& t, ReduceOp op, Scan scan, Value v, uint32_t cluster) {
+  const Value counting = t.lanes_with_effects();
+  if (!counting) return t.b.reduce(op, scan, v, cluster);
+  const Value mask = taking_part(t);
+  const Value combined = t.b.if_else(
+      t.b.unpack_mask(mask), {t.b.type(v)}, [&] { return Values{t.b.reduce(op, scan, v, cluster)}; },
+      [&] { return Values{t.b.zero(t.b.type(v))}; })[0];
+  return scan == Scan::kReduce && cluster == kLog2Lanes ? t.b.shuffle(combined, t.b.ctz(mask)) : combined;
+}
+
 template <ReduceOp kOp>
 void combine(Translator& t, const Instruction& inst) {
   check_scope(t, inst);
@@ -232,7 +234,7 @@ void combine(Translator& t, const Instruction& inst) {
     }
   }
   each(t, inst, 5, [&](Value v) {
-    const Value out = t.b.reduce(kOp, scan, v, cluster);
+    const Value out = reduce(t, kOp, scan, v, cluster);
     // SPIR-V's identity is +0, the IR's -0: they differ where no lane came before.
     const bool add_zero = kOp == ReduceOp::kFAdd && scan == Scan::kExclusive;
     return add_zero ? t.b.fadd(out, t.b.fconst(t.b.type(out), 0.0)) : out;

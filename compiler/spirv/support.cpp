@@ -6,129 +6,107 @@
 namespace pineda::spirv {
 namespace {
 
-struct CapabilityRow {
-  spv::Capability capability;
-  const char* name;
-  bool supported;
+// The capabilities that shaders may declare.
+constexpr spv::Capability kSupported[] = {
+    spv::CapabilityMatrix,
+    spv::CapabilityShader,
+    spv::CapabilityImageQuery,
+    spv::CapabilityDerivativeControl,
+    spv::CapabilitySampled1D,
+    spv::CapabilityImage1D,
+    spv::CapabilitySampledCubeArray,
+    spv::CapabilityImageCubeArray,
+    spv::CapabilityImageGatherExtended,
+    spv::CapabilityStorageImageExtendedFormats,
+    spv::CapabilityStorageImageReadWithoutFormat,
+    spv::CapabilityStorageImageWriteWithoutFormat,
+    spv::CapabilityDrawParameters,
+    spv::CapabilityDemoteToHelperInvocationEXT,
+    spv::CapabilitySampleRateShading,
+    spv::CapabilityInputAttachment,
+    spv::CapabilityInterpolationFunction,
+    spv::CapabilityStencilExportEXT,
+    spv::CapabilityClipDistance,
+    spv::CapabilityCullDistance,
+    spv::CapabilityMultiViewport,
+    spv::CapabilityShaderLayer,
+    spv::CapabilityShaderViewportIndex,
+    spv::CapabilityShaderViewportIndexLayerEXT,
+    spv::CapabilityUniformBufferArrayDynamicIndexing,
+    spv::CapabilityStorageBufferArrayDynamicIndexing,
+    spv::CapabilityUniformTexelBufferArrayNonUniformIndexing,
+    spv::CapabilityStorageTexelBufferArrayNonUniformIndexing,
+    spv::CapabilityVulkanMemoryModel,
+    spv::CapabilityVulkanMemoryModelDeviceScope,
+    spv::CapabilityFloat16,
+    spv::CapabilityFloat64,
+    spv::CapabilityInt64,
+    spv::CapabilityInt16,
+    spv::CapabilityInt8,
+    spv::CapabilityStorageBuffer16BitAccess,
+    spv::CapabilityUniformAndStorageBuffer16BitAccess,
+    spv::CapabilityStoragePushConstant16,
+    spv::CapabilityStorageInputOutput16,
+    spv::CapabilityMultiView,
+    spv::CapabilityDeviceGroup,
+    spv::CapabilityVariablePointersStorageBuffer,
+    spv::CapabilityVariablePointers,
+    spv::CapabilityStorageBuffer8BitAccess,
+    spv::CapabilityUniformAndStorageBuffer8BitAccess,
+    spv::CapabilityStoragePushConstant8,
+    spv::CapabilityDenormPreserve,
+    spv::CapabilitySignedZeroInfNanPreserve,
+    spv::CapabilityRoundingModeRTE,
+    spv::CapabilityShaderNonUniform,
+    spv::CapabilityUniformBufferArrayNonUniformIndexing,
+    spv::CapabilityStorageBufferArrayNonUniformIndexing,
+    spv::CapabilityPhysicalStorageBufferAddresses,
+    spv::CapabilityDotProduct,
+    spv::CapabilityDotProductInputAll,
+    spv::CapabilityDotProductInput4x8Bit,
+    spv::CapabilityDotProductInput4x8BitPacked,
+    spv::CapabilityGroupNonUniform,
+    spv::CapabilityGroupNonUniformVote,
+    spv::CapabilityGroupNonUniformArithmetic,
+    spv::CapabilityGroupNonUniformBallot,
+    spv::CapabilityGroupNonUniformShuffle,
+    spv::CapabilityGroupNonUniformShuffleRelative,
+    spv::CapabilityGroupNonUniformClustered,
+    spv::CapabilityGroupNonUniformQuad,
+    spv::CapabilityGroupNonUniformRotateKHR,
+    spv::CapabilitySubgroupBallotKHR,
+    spv::CapabilitySubgroupVoteKHR,
+    spv::CapabilityInt64Atomics,
+    spv::CapabilitySampledImageArrayDynamicIndexing,
+    spv::CapabilityStorageImageArrayDynamicIndexing,
+    spv::CapabilityMinLod,
+    spv::CapabilitySampledBuffer,
+    spv::CapabilityImageBuffer,
+    spv::CapabilityRuntimeDescriptorArray,
+    spv::CapabilityUniformTexelBufferArrayDynamicIndexing,
+    spv::CapabilityStorageTexelBufferArrayDynamicIndexing,
+    spv::CapabilitySampledImageArrayNonUniformIndexing,
+    spv::CapabilityStorageImageArrayNonUniformIndexing,
+    spv::CapabilityAtomicFloat32AddEXT,
+    spv::CapabilityAtomicFloat64AddEXT,
 };
 
-#define YES(name) \
-  { spv::Capability##name, #name, true }
-#define NO(name) \
-  { spv::Capability##name, #name, false }
-// NO rows exist for their names only.
-constexpr CapabilityRow kCapabilities[] = {
-    YES(Matrix),
-    YES(Shader),
-    YES(ImageQuery),
-    YES(DerivativeControl),
-    YES(Sampled1D),
-    YES(Image1D),
-    YES(SampledCubeArray),
-    YES(ImageCubeArray),
-    YES(ImageGatherExtended),
-    YES(StorageImageExtendedFormats),
-    YES(StorageImageReadWithoutFormat),
-    YES(StorageImageWriteWithoutFormat),
-    YES(DrawParameters),
-    YES(DemoteToHelperInvocationEXT),
-    YES(SampleRateShading),
-    YES(InputAttachment),
-    YES(InterpolationFunction),
-    YES(StencilExportEXT),
-    YES(ClipDistance),
-    YES(CullDistance),
-    YES(MultiViewport),
-    YES(ShaderLayer),
-    YES(ShaderViewportIndex),
-    YES(ShaderViewportIndexLayerEXT),
-    YES(UniformBufferArrayDynamicIndexing),
-    YES(StorageBufferArrayDynamicIndexing),
-    YES(UniformTexelBufferArrayNonUniformIndexing),
-    YES(StorageTexelBufferArrayNonUniformIndexing),
-    YES(VulkanMemoryModel),
-    YES(VulkanMemoryModelDeviceScope),
-    YES(Float16),
-    YES(Float64),
-    YES(Int64),
-    YES(Int16),
-    YES(Int8),
-    YES(StorageBuffer16BitAccess),
-    YES(UniformAndStorageBuffer16BitAccess),
-    YES(StoragePushConstant16),
-    YES(StorageInputOutput16),
-    YES(MultiView),
-    YES(DeviceGroup),
-    YES(VariablePointersStorageBuffer),
-    YES(VariablePointers),
-    YES(StorageBuffer8BitAccess),
-    YES(UniformAndStorageBuffer8BitAccess),
-    YES(StoragePushConstant8),
-    YES(DenormPreserve),
-    YES(SignedZeroInfNanPreserve),
-    YES(RoundingModeRTE),
-    YES(ShaderNonUniform),
-    YES(UniformBufferArrayNonUniformIndexing),
-    YES(StorageBufferArrayNonUniformIndexing),
-    YES(PhysicalStorageBufferAddresses),
-    YES(DotProduct),
-    YES(DotProductInputAll),
-    YES(DotProductInput4x8Bit),
-    YES(DotProductInput4x8BitPacked),
-    YES(GroupNonUniform),
-    YES(GroupNonUniformVote),
-    YES(GroupNonUniformArithmetic),
-    YES(GroupNonUniformBallot),
-    YES(GroupNonUniformShuffle),
-    YES(GroupNonUniformShuffleRelative),
-    YES(GroupNonUniformClustered),
-    YES(GroupNonUniformQuad),
-    YES(GroupNonUniformRotateKHR),
-    YES(SubgroupBallotKHR),
-    YES(SubgroupVoteKHR),
-    NO(Geometry),
-    NO(Tessellation),
-    NO(Addresses),
-    NO(Linkage),
-    NO(Kernel),
-    NO(Int64Atomics),
-    NO(TessellationPointSize),
-    NO(GeometryPointSize),
-    NO(StorageImageMultisample),
-    YES(SampledImageArrayDynamicIndexing),
-    YES(StorageImageArrayDynamicIndexing),
-    NO(SampledRect),
-    NO(ImageRect),
-    NO(GenericPointer),
-    NO(SparseResidency),
-    YES(MinLod),
-    NO(ImageMSArray),
-    YES(SampledBuffer),
-    YES(ImageBuffer),
-    NO(TransformFeedback),
-    NO(GeometryStreams),
-    NO(UniformDecoration),
-    NO(DenormFlushToZero),
-    NO(RoundingModeRTZ),
-    NO(RayQueryKHR),
-    NO(RayTracingKHR),
-    NO(MeshShadingEXT),
-    NO(StencilExportEXT),
-    YES(RuntimeDescriptorArray),
-    NO(InputAttachmentArrayDynamicIndexing),
-    YES(UniformTexelBufferArrayDynamicIndexing),
-    YES(StorageTexelBufferArrayDynamicIndexing),
-    YES(SampledImageArrayNonUniformIndexing),
-    YES(StorageImageArrayNonUniformIndexing),
-    NO(FragmentShaderSampleInterlockEXT),
-    NO(FragmentShaderPixelInterlockEXT),
-    NO(ShaderClockKHR),
-    NO(AtomicFloat32AddEXT),
-    NO(WorkgroupMemoryExplicitLayoutKHR),
-    NO(FragmentBarycentricKHR),
+struct CapabilityName {
+  uint32_t value;
+  const char* name;
 };
-#undef YES
-#undef NO
+constexpr CapabilityName kNames[] = {
+#define PINEDA_SPIRV_OP(value, name, capabilities)
+#define PINEDA_SPIRV_CAPABILITY(value, name) {value, name},
+#include "compiler/spirv/names.inc"
+#undef PINEDA_SPIRV_OP
+#undef PINEDA_SPIRV_CAPABILITY
+};
+
+std::string name_of(uint32_t capability) {
+  const auto* found = std::ranges::find(kNames, capability, &CapabilityName::value);
+  return found != std::end(kNames) ? found->name : std::to_string(capability);
+}
 
 }  // namespace
 
@@ -143,9 +121,9 @@ void check_support(Module& m, const Instruction& inst) {
     return;
   }
   const auto capability = inst.word_as<spv::Capability>(1);
-  const auto* row = std::ranges::find(kCapabilities, capability, &CapabilityRow::capability);
-  const std::string name = row == std::end(kCapabilities) ? std::to_string(capability) : row->name;
-  if (row == std::end(kCapabilities) || !row->supported) inst.fail("capability " + name + " is not supported");
+  if (std::ranges::find(kSupported, capability) == std::end(kSupported)) {
+    inst.fail("capability " + name_of(inst.word(1)) + " is not supported");
+  }
   m.variable_pointers |=
       capability == spv::CapabilityVariablePointers || capability == spv::CapabilityVariablePointersStorageBuffer;
 }

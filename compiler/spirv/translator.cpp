@@ -140,6 +140,7 @@ Pointer Translator::pointer(const Instruction& inst, uint32_t word) {
   p.descriptor_index = dynamic[1];
   p.base = dynamic[2];
   p.size_bytes = dynamic[3];
+  p.in_range = dynamic[4];
   return p;
 }
 
@@ -197,7 +198,7 @@ void Translator::define(const Instruction& inst, const Pointer& pointer) {
   }
   Record& r = fresh(inst);
   r.kind = RecordKind::kPointer;
-  r.values = {pointer.index, pointer.descriptor_index, pointer.base, pointer.size_bytes};
+  r.values = {pointer.index, pointer.descriptor_index, pointer.base, pointer.size_bytes, pointer.in_range};
   r.detail = static_cast<uint32_t>(pointers_.size());
   pointers_.push_back(pointer);
   pointers_.back().type = type.id;
@@ -305,7 +306,7 @@ ir::Var& Translator::phi_var(const Instruction& phi, uint32_t scalar, ir::Type t
 
 void Translator::instruction(const Instruction& inst) {
   const OpRow* row = find_op(inst.op());
-  if (!row || !row->handler) inst.fail("this instruction is not supported here");
+  if (!row || !row->handler) inst.fail(why_unsupported(inst.op()));
   if (inst.size() < row->min_words) inst.fail("has too few operands");
   if (++instruction_count_ > kMaxInstructions || b.kernel().insts.size() > kMaxIrInstructions) {
     inst.fail("the shader is too large after inlining its functions");

@@ -34,6 +34,7 @@ struct Pointer {
   uint32_t descriptor = 0;                    // element of an array of descriptors
   ir::Value descriptor_index;                 // or, when that is not constant, this
   ir::Value base, size_bytes;                 // Ptr and I32 when there is no variable
+  ir::Value in_range;                         // B1: the dynamic part, in bytes, did not wrap at 2^32; unset: it cannot
   uint32_t index_alignment_bytes = 1u << 31;  // a power of two that divides the dynamic part
   uint32_t matrix_stride_bytes = 0;           // of the struct member that holds the matrix; 0 = none
   bool row_major = false;
@@ -123,7 +124,7 @@ class Translator {
     RecordKind kind = RecordKind::kNone;
     ir::RegionId region = 0;
     uint32_t detail = 0;  // index in pointers_ or opaques_
-    // kPointer: {index, descriptor_index, base, size_bytes}, kOpaque: those of image and sampler; each may be unset
+    // kPointer: {index, descriptor_index, base, size_bytes, in_range}, kOpaque: those of image and sampler; each may be unset
     Values values;
     std::vector<ir::Var> escaped;  // filled when it is used where `region` is closed; parallel to values
     // A physical pointer that was looked up in `resolved_region`: base, size_bytes, offset. See pointer_from_values().

@@ -181,7 +181,8 @@ class FunctionUsage {
         m_.info.uses_discard = true;
         break;
       default:
-        if (inst.op() >= spv::OpAtomicLoad && inst.op() <= spv::OpAtomicXor) root(inst.word(3));
+        if (inst.op() == spv::OpAtomicFAddEXT || (inst.op() >= spv::OpAtomicLoad && inst.op() <= spv::OpAtomicXor))
+          root(inst.word(3));
         break;
     }
   }

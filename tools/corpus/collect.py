@@ -3,23 +3,31 @@
 
 usage: collect.py OUT [--per-folder N] [--jobs N]
 
-Sources: piglit's GLSL tests (shader_test files and plain ones) and its SPIR-V, and glmark2's shaders. Desktop GLSL is not Vulkan GLSL: what is only spelled differently is respelled here, and glslang's
-relaxed rules do the rest; what it still refuses, or makes of it against
-spirv-val's judgement, is counted and left out. Of generated folders with hundreds of near copies every
-k-th file is taken, so that at most N remain; the choice does not depend on the machine.
+OUT gets a folder for each source: piglit's GLSL tests (shader_test files and plain ones), its Vulkan tests and its SPIR-V, glmark2's
+shaders, the DXBC in vkd3d's demos by way of vkd3d-compiler, and the kernels that VkFFT generates (vkfft_kernels.cpp). Desktop GLSL is
+not Vulkan GLSL: what is only spelled differently is respelled here, and glslang's relaxed rules do the rest; what it still refuses, or
+makes of it against spirv-val's judgement, is counted and left out. Of generated folders with hundreds of near copies every k-th file is
+taken, so that at most N remain; the choice does not depend on the machine. OUT/collected.md tells what became of them.
 """
 import argparse
 import collections
 import concurrent.futures
 import hashlib
+import os
 import pathlib
 import re
+import struct
 import subprocess
 import sys
+import tempfile
 
 STAGES = {"vertex shader": "vert", "fragment shader": "frag", "compute shader": "comp"}
 PIGLIT = pathlib.Path("/usr/lib/x86_64-linux-gnu/piglit")
-ROOTS = [PIGLIT / "tests", PIGLIT / "generated_tests", pathlib.Path("/usr/share/glmark2/shaders")]
+ROOTS = {"piglit": PIGLIT / "tests", "piglit-generated": PIGLIT / "generated_tests", "glmark2": pathlib.Path("/usr/share/glmark2/shaders")}
+DEMOS = [pathlib.Path("/usr/bin/vkd3d-gears"), pathlib.Path("/usr/bin/vkd3d-triangle")]
+LAVAPIPE = "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json"
+GLSLANG_LIBRARIES = ["glslang", "MachineIndependent", "OSDependent", "OGLCompiler", "GenericCodeGen", "HLSL", "SPIRV",
+                     "SPIRV-Tools-opt", "SPIRV-Tools", "glslang-default-resource-limits", "vulkan", "pthread"]
 
 
 def sections(path):
@@ -79,16 +87,79 @@ def respelled(stage, text):
     return "\n".join([f"#version {number}"] + extensions + declarations + [text])
 
 
-def chosen_files(per_folder):
+def chosen_files(root, per_folder):
     folders = collections.defaultdict(list)
-    for root in ROOTS:
-        for path in sorted(root.rglob("*")):
-            if path.suffix in (".shader_test", ".vert", ".frag", ".comp"):
-                folders[path.parent].append(path)
+    for path in sorted(root.rglob("*")):
+        if path.suffix in (".shader_test", ".vert", ".frag", ".comp"):
+            folders[path.parent].append(path)
     for folder in sorted(folders):
         files = folders[folder]
         step = -(-len(files) // per_folder)
         yield from files[::step]
+
+
+def glsl_jobs(out, per_folder):
+    """(source, (stage, GLSL, target)) for every distinct shader."""
+    seen = set()
+
+    def job(source, path, stage, text):
+        digest = hashlib.sha256((stage + text).encode()).hexdigest()[:16]
+        if digest in seen:
+            return []
+        seen.add(digest)
+        return [(source, (stage, text, out / source / f"{path.stem[:60]}-{digest}.{stage}.spv"))]
+
+    for source, root in ROOTS.items():
+        for path in chosen_files(root, per_folder):
+            for stage, text in sections(path):
+                yield from job(source, path, stage, respelled(stage, text))
+    for path in sorted(PIGLIT.rglob("*.vk_shader_test")):  # Vulkan's GLSL already
+        for stage, text in sections(path):
+            yield from job("piglit-vulkan", path, stage, text)
+
+
+def copy_modules(out):
+    """piglit's own SPIR-V."""
+    (out / "piglit-spirv").mkdir(exist_ok=True)
+    files = [path for root in ROOTS.values() for path in sorted(root.rglob("*.spv"))]
+    for path in files:
+        (out / "piglit-spirv" / path.name).write_bytes(path.read_bytes())
+    return len(files)
+
+
+def translate_dxbc(out):
+    """The Direct3D byte code in vkd3d's demos: (found, translated)."""
+    (out / "vkd3d").mkdir(exist_ok=True)
+    found = translated = 0
+    for demo in DEMOS:
+        data = demo.read_bytes() if demo.exists() else b""
+        at = data.find(b"DXBC")
+        while at >= 0:
+            found += 1
+            size = struct.unpack_from("<I", data, at + 24)[0]
+            target = out / "vkd3d" / f"{demo.name}-{at}.spv"
+            done = subprocess.run(["vkd3d-compiler", "-x", "dxbc-tpf", "-b", "spirv-binary", "-o", str(target), "-"],
+                                  input=data[at:at + size], capture_output=True)
+            translated += done.returncode == 0 and target.exists()
+            at = data.find(b"DXBC", at + 4)
+    return found, translated
+
+
+def generate_vkfft(out):
+    """How many kernels VkFFT made. It needs a Vulkan device, any one, to make them for: lavapipe."""
+    (out / "vkfft").mkdir(exist_ok=True)
+    header = pathlib.Path("/usr/include/vkFFT.h").read_text()
+    # The header fills glslang's limits by position; glslang 12 has nine more before this one.
+    header = header.replace("/* .maxDualSourceDrawBuffersEXT = */", "256, 512, 32, 1, 1, 32, 1, 1, 4, /* .maxDualSourceDrawBuffersEXT = */")
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "vkFFT.h").write_text(header)
+        program = pathlib.Path(folder) / "vkfft_kernels"
+        source = pathlib.Path(__file__).with_name("vkfft_kernels.cpp")
+        subprocess.run(["g++", "-std=c++20", "-O0", "-w", f"-I{folder}", str(source), "-o", str(program)] +
+                       [f"-l{name}" for name in GLSLANG_LIBRARIES], check=True)
+        environment = dict(os.environ, VK_DRIVER_FILES=LAVAPIPE, VK_ICD_FILENAMES=LAVAPIPE)
+        subprocess.run([str(program), str(out / "vkfft")], check=True, env=environment)
+    return len(list((out / "vkfft").glob("*.spv")))
 
 
 def compile_one(job):
@@ -114,28 +185,23 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    jobs, seen = [], set()
-    for path in chosen_files(args.per_folder):
-        for stage, text in sections(path):
-            text = respelled(stage, text)
-            digest = hashlib.sha256((stage + text).encode()).hexdigest()[:16]
-            if digest not in seen:
-                seen.add(digest)
-                jobs.append((stage, text, args.out / f"{path.stem[:60]}-{digest}.{stage}.spv"))
+    jobs = list(glsl_jobs(args.out, args.per_folder))
+    for source in {source for source, _ in jobs}:
+        (args.out / source).mkdir(exist_ok=True)
     refused = collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        for complaint in pool.map(compile_one, jobs):
+        for complaint in pool.map(compile_one, [job for _, job in jobs]):
             if complaint is not None:
                 refused[re.sub(r"'[^']*'", "''", complaint)] += 1
-    copied = 0
-    for root in ROOTS:
-        for path in sorted(root.rglob("*.spv")):
-            (args.out / path.name).write_bytes(path.read_bytes())
-            copied += 1
-    print(f"{len(jobs)} shaders: {len(jobs) - sum(refused.values())} became SPIR-V, {sum(refused.values())} glslang refuses; "
-          f"{copied} modules copied")
-    for reason, count in refused.most_common(12):
-        print(f"  {count:5}  {reason}")
+    made = len(jobs) - sum(refused.values())
+    lines = [f"- {len(jobs)} shaders in GLSL: {made} became SPIR-V, {sum(refused.values())} glslang refuses",
+             f"- {copy_modules(args.out)} modules that piglit has as SPIR-V"]
+    lines.append("- {} shaders in the byte code of Direct3D: {} translated by vkd3d".format(*translate_dxbc(args.out)))
+    lines.append(f"- {generate_vkfft(args.out)} kernels that VkFFT generated")
+    lines += ["", "What glslang says of those that it refuses:", ""]
+    lines += [f"- {count}: {reason}" for reason, count in refused.most_common(12)]
+    (args.out / "collected.md").write_text("\n".join(lines) + "\n")
+    print("\n".join(lines))
     return 0
 
 

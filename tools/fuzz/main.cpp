@@ -68,7 +68,7 @@ std::vector<std::string> expanded(const std::vector<std::string>& paths) {
       out.push_back(path);
       continue;
     }
-    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
       if (entry.path().extension() == ".spv") out.push_back(entry.path());
     }
   }
@@ -300,6 +300,25 @@ Outcome run_job(void* argument) {
                                                          : prepared.outcome;
 }
 
+struct CorpusCounts {
+  uint64_t agreed = 0, too_long = 0, refused = 0, wrong = 0;
+  void add(Outcome::Kind kind) {
+    uint64_t& count = kind == Outcome::Kind::kAgreed    ? agreed
+                      : kind == Outcome::Kind::kTooLong ? too_long
+                      : kind == Outcome::Kind::kRefused ? refused
+                                                        : wrong;
+    ++count;
+  }
+  void print(const std::string& source) const {
+    std::printf("| %s | %llu | %llu | %llu | %llu |\n", source.c_str(), static_cast<unsigned long long>(agreed),
+                static_cast<unsigned long long>(too_long), static_cast<unsigned long long>(refused),
+                static_cast<unsigned long long>(wrong));
+  }
+};
+
+// collect.py has a folder for each.
+std::string source_of(const std::string& file) { return std::filesystem::path(file).parent_path().filename(); }
+
 int corpus(const Settings& settings) {
   constexpr uint32_t kSecondsEach = 20;
   std::string error;
@@ -307,36 +326,35 @@ int corpus(const Settings& settings) {
     std::fprintf(stderr, "%s\n", error.c_str());
     return 1;
   }
-  uint64_t agreed = 0, refused = 0, wrong = 0, too_long = 0;
+  CorpusCounts total;
+  std::map<std::string, CorpusCounts> by_source;
   std::map<std::string, std::pair<uint64_t, std::string>> reasons;
   for (const std::string& file : settings.files) {
     const std::vector<uint32_t> words = read_words(file);
     for (const EntryPoint& entry : entry_points(words)) {
       Job job{&words, entry, &settings};
       const Outcome outcome = with_limits(kSecondsEach, run_job, &job);
-      agreed += outcome.kind == Outcome::Kind::kAgreed;
+      total.add(outcome.kind);
+      by_source[source_of(file)].add(outcome.kind);
       if (outcome.kind == Outcome::Kind::kRefused) {
-        ++refused;
         auto& [count, example] = reasons[class_of(outcome.text)];
         ++count;
-        example = file;
-      } else if (outcome.kind == Outcome::Kind::kTooLong) {
-        ++too_long;
-      } else if (outcome.kind != Outcome::Kind::kAgreed) {
-        ++wrong;
+        example = std::filesystem::path(file).filename();
+      } else if (outcome.kind != Outcome::Kind::kAgreed && outcome.kind != Outcome::Kind::kTooLong) {
         std::printf("%s: %s\n", file.c_str(), outcome.text.c_str());
       }
       if (settings.all) std::printf("%s %s\n", file.c_str(), outcome.text.c_str());
     }
   }
   std::printf(
-      "compiled and agreed on every ISA: %llu; compiled, but run for too long on random data: %llu; refused: %llu; wrong: %llu\n",
-      static_cast<unsigned long long>(agreed), static_cast<unsigned long long>(too_long),
-      static_cast<unsigned long long>(refused), static_cast<unsigned long long>(wrong));
+      "| source | agreed on every ISA | compiled, ran too long on random data | refused | wrong |\n|---|---|---|---|---|\n");
+  for (const auto& [source, counts] : by_source) counts.print(source);
+  total.print("all");
+  if (!reasons.empty()) std::printf("\nRefused:\n\n");
   for (const auto& [reason, found] : reasons) {
-    std::printf("  %5llu  %s  (%s)\n", static_cast<unsigned long long>(found.first), reason.c_str(), found.second.c_str());
+    std::printf("- %llu: %s (such as %s)\n", static_cast<unsigned long long>(found.first), reason.c_str(), found.second.c_str());
   }
-  return wrong != 0;
+  return total.wrong != 0;
 }
 
 }  // namespace

@@ -1,0 +1,62 @@
+// What an I32 is at most, as far as the expression that it comes from tells: for checks that need not be made.
+#pragma once
+
+#include <algorithm>
+
+#include "base/abi.h"
+#include "compiler/ir/ir.h"
+
+namespace pineda::ir {
+
+inline constexpr uint64_t kAnyU32 = 0xffffffff;
+
+// `bound(operand)` tells it of an operand.
+template <typename Bound>
+uint64_t expression_bound(const Kernel& kernel, const Inst& inst, const Bound& bound) {
+  const auto unwrapped = [](uint64_t bound_64) { return std::min(bound_64, kAnyU32); };
+  const auto constant = [&](uint32_t i) -> const Inst* {
+    const Inst& operand = kernel.at(inst.operand[i]);
+    return operand.op == Op::kConst ? &operand : nullptr;
+  };
+  const auto shift_count = [&] { return constant(1) ? constant(1)->imm & 31 : 32; };
+  switch (inst.op) {
+    case Op::kConst:
+      return inst.imm;
+    case Op::kLane:
+      return kLanes - 1;
+    case Op::kZExt: {
+      const Type from = kernel.at(inst.operand[0]).type;
+      return from == Type::kB1 ? 1 : (1u << 8 * size_bytes(from)) - 1;
+    }
+    case Op::kAnd:
+    case Op::kUMin:
+      return std::min(bound(inst.operand[0]), bound(inst.operand[1]));
+    case Op::kUMax:
+      return std::max(bound(inst.operand[0]), bound(inst.operand[1]));
+    case Op::kSelect:
+      return std::max(bound(inst.operand[1]), bound(inst.operand[2]));
+    case Op::kIAdd:
+      return unwrapped(bound(inst.operand[0]) + bound(inst.operand[1]));
+    case Op::kIMul:
+      return unwrapped(bound(inst.operand[0]) * bound(inst.operand[1]));
+    case Op::kLShr:
+      return shift_count() < 32 ? bound(inst.operand[0]) >> shift_count() : kAnyU32;
+    case Op::kShl:
+      return shift_count() < 32 ? unwrapped(bound(inst.operand[0]) << shift_count()) : kAnyU32;
+    case Op::kURem:
+      return constant(1) && constant(1)->imm != 0 ? std::min(bound(inst.operand[0]), constant(1)->imm - 1)
+                                                  : bound(inst.operand[0]);
+    case Op::kUDiv:
+      return constant(1) && constant(1)->imm != 0 ? bound(inst.operand[0]) / constant(1)->imm : kAnyU32;
+    default:
+      return kAnyU32;
+  }
+}
+
+inline uint64_t upper_bound(const Kernel& kernel, Value v, uint32_t depth = 0) {
+  constexpr uint32_t kMaxDepth = 6;
+  if (depth > kMaxDepth || kernel.at(v).type != Type::kI32) return kAnyU32;
+  return expression_bound(kernel, kernel.at(v), [&](Value operand) { return upper_bound(kernel, operand, depth + 1); });
+}
+
+}  // namespace pineda::ir
