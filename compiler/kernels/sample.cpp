@@ -43,7 +43,7 @@ Result<const FormatInfo*> check(const TextureState& state, const SampleRequest& 
     return compile_error("The image view is a cube and the shader declares none, or the other way round.");
   }
   const FormatInfo* format = find_format(state.format);
-  if (!format || !(format->uses & kUseSampled)) {
+  if (!format || !(format->uses & (kUseSampled | kUseUniformTexel))) {  // texel buffers are fetched through here, too
     return compile_error(concat("Format ", static_cast<int>(state.format), " cannot be sampled."));
   }
   return format;

@@ -18,6 +18,22 @@ void register_all_groups() {
   register_block_layout();
   register_subgroups();
   register_multisample();
+  register_info();
+  register_compute();
+  register_pipeline_constants();
+  register_clipping();
+  register_fragment_operations();
+  register_api_copy();
+  register_api_clear();
+  register_robustness();
+  register_memory();
+  register_spirv_assembly();
+  register_glsl_derivatives();
+  register_binding_model();
+  register_image();
+  register_synchronization();
+  register_renderpass();
+  register_wsi_headless();
 }
 
 }  // namespace pineda::cts

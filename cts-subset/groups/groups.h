@@ -16,5 +16,21 @@ void register_queries();
 void register_block_layout();
 void register_subgroups();
 void register_multisample();
+void register_info();
+void register_compute();
+void register_pipeline_constants();
+void register_clipping();
+void register_fragment_operations();
+void register_api_copy();
+void register_api_clear();
+void register_robustness();
+void register_memory();
+void register_spirv_assembly();
+void register_glsl_derivatives();
+void register_binding_model();
+void register_image();
+void register_synchronization();
+void register_renderpass();
+void register_wsi_headless();
 
 }  // namespace pineda::cts

@@ -92,8 +92,7 @@ void Bindings::bind(VkCommandBuffer commands, VkPipelineBindPoint point, const R
   }
 }
 
-void dispatch(Device& device, const Spirv& shader, const Resources& resources, std::array<uint32_t, 3> groups) {
-  const Bindings bindings(device, resources, VK_SHADER_STAGE_COMPUTE_BIT);
+Pipeline create_compute_pipeline(Device& device, const Spirv& shader, VkPipelineLayout layout, const Resources& resources) {
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module_info.codeSize = shader.size() * 4;
   module_info.pCode = shader.data();
@@ -110,10 +109,15 @@ void dispatch(Device& device, const Spirv& shader, const Resources& resources, s
                 module,
                 "main",
                 &specialization};
-  info.layout = bindings.layout();
+  info.layout = layout;
   VkPipeline handle = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle), "vkCreateComputePipelines");
-  const Pipeline pipeline(device.handle(), handle);
+  return {device.handle(), handle};
+}
+
+void dispatch(Device& device, const Spirv& shader, const Resources& resources, std::array<uint32_t, 3> groups) {
+  const Bindings bindings(device, resources, VK_SHADER_STAGE_COMPUTE_BIT);
+  const Pipeline pipeline = create_compute_pipeline(device, shader, bindings.layout(), resources);
   device.run([&](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     bindings.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resources);

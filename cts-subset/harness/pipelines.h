@@ -60,6 +60,7 @@ class Bindings {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
+Pipeline create_compute_pipeline(Device& device, const Spirv& shader, VkPipelineLayout layout, const Resources& resources);
 void dispatch(Device& device, const Spirv& shader, const Resources& resources, std::array<uint32_t, 3> groups = {1, 1, 1});
 
 Sampler create_sampler(Device& device, const std::function<void(VkSamplerCreateInfo&)>& adjust = {});
