@@ -34,7 +34,7 @@ void api::DestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCall
 void api::GetBufferMemoryRequirements(VkDevice, VkBuffer buffer, VkMemoryRequirements* out) {
   const VkDeviceSize rounded =
       (from(buffer)->size_bytes() + kResourceAlignment_bytes - 1) / kResourceAlignment_bytes * kResourceAlignment_bytes;
-  *out = {.size = rounded, .alignment = kResourceAlignment_bytes, .memoryTypeBits = 1};
+  *out = {.size = rounded, .alignment = kResourceAlignment_bytes, .memoryTypeBits = 1u << kMappedMemoryType};
 }
 
 VkResult api::BindBufferMemory(VkDevice, VkBuffer buffer, VkDeviceMemory memory, VkDeviceSize offset) {

@@ -213,6 +213,17 @@ struct BeginRenderPass {
 };
 struct NextSubpass {};
 struct EndRenderPass {};
+struct LabelText {
+  const char* name;
+  float color[4];
+};
+struct BeginDebugUtilsLabelEXT {
+  LabelText label;
+};
+struct EndDebugUtilsLabelEXT {};
+struct InsertDebugUtilsLabelEXT {
+  LabelText label;
+};
 struct ExecuteCommands {
   std::span<const VkCommandBuffer> command_buffers;
 };

@@ -69,11 +69,14 @@ std::vector<VkDebugUtilsMessengerCreateInfoEXT> listeners(const Instance* of) {
   return found;
 }
 
+thread_local const MessageScope* t_scope = nullptr;
+
 void forward(Severity severity, std::string_view text) {
   const std::string message(text);
-  const VkDebugUtilsMessengerCallbackDataEXT data{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT,
-                                                  .pMessageIdName = "Pineda",
-                                                  .pMessage = message.c_str()};
+  VkDebugUtilsMessengerCallbackDataEXT data{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT,
+                                            .pMessageIdName = "Pineda",
+                                            .pMessage = message.c_str()};
+  if (t_scope) t_scope->describe(&data);
   for (const auto& listener : listeners(nullptr)) {
     send(listener, severity_bit(severity), VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT, data);
   }
@@ -96,6 +99,60 @@ void remove_if(auto&& matches) {
 }
 
 }  // namespace
+
+MessageScope::MessageScope(const Device& device, VkObjectType type, uint64_t handle, const Queue* queue)
+    : outer_(t_scope), name_(handle ? device.name_of(handle) : std::string()) {
+  if (handle)
+    objects_.push_back(
+        {VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT, nullptr, type, handle, name_.empty() ? nullptr : name_.c_str()});
+  if (queue) {
+    queue_labels_ = queue->labels.snapshot();
+    command_labels_ = queue->command_labels();
+  }
+  t_scope = this;
+}
+
+MessageScope::~MessageScope() { t_scope = outer_; }
+
+namespace {
+
+// Innermost first, as the specification wants them.
+void add_labels(const std::vector<Label>& from_labels, std::vector<VkDebugUtilsLabelEXT>* out) {
+  for (auto label = from_labels.rbegin(); label != from_labels.rend(); ++label) {
+    VkDebugUtilsLabelEXT to{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, label->name.c_str(), {}};
+    std::ranges::copy(label->color, to.color);
+    out->push_back(to);
+  }
+}
+
+std::string path(const std::vector<Label>& labels) {
+  std::string text;
+  for (const Label& label : labels) text += (text.empty() ? "" : " > ") + label.name;
+  return text;
+}
+
+}  // namespace
+
+void MessageScope::describe(VkDebugUtilsMessengerCallbackDataEXT* data) const {
+  queue_infos_.clear();
+  command_infos_.clear();
+  add_labels(queue_labels_, &queue_infos_);
+  add_labels(command_labels_, &command_infos_);
+  data->objectCount = uint32_t(objects_.size());
+  data->pObjects = objects_.data();
+  data->queueLabelCount = uint32_t(queue_infos_.size());
+  data->pQueueLabels = queue_infos_.data();
+  data->cmdBufLabelCount = uint32_t(command_infos_.size());
+  data->pCmdBufLabels = command_infos_.data();
+}
+
+std::string MessageScope::text() const {
+  std::string text = name_.empty() ? "" : "command buffer '" + name_ + "'";
+  for (const auto& [what, labels] : {std::pair("label", &command_labels_), std::pair("queue label", &queue_labels_)}) {
+    if (!labels->empty()) text += (text.empty() ? "" : ", ") + std::string(what) + " '" + path(*labels) + "'";
+  }
+  return text;
+}
 
 void remove_messengers(const Instance& instance) {
   remove_if([&](const DebugMessenger* messenger) { return &messenger->instance == &instance; });
@@ -176,13 +233,5 @@ VkResult api::SetDebugUtilsObjectNameEXT(VkDevice device, const VkDebugUtilsObje
 
 // Tags are for tools that look inside the driver's objects; there is none.
 VkResult api::SetDebugUtilsObjectTagEXT(VkDevice, const VkDebugUtilsObjectTagInfoEXT*) { return VK_SUCCESS; }
-
-// Labels structure captures of tools above the driver, which see them before we do.
-void api::QueueBeginDebugUtilsLabelEXT(VkQueue, const VkDebugUtilsLabelEXT*) {}
-void api::QueueEndDebugUtilsLabelEXT(VkQueue) {}
-void api::QueueInsertDebugUtilsLabelEXT(VkQueue, const VkDebugUtilsLabelEXT*) {}
-void api::CmdBeginDebugUtilsLabelEXT(VkCommandBuffer, const VkDebugUtilsLabelEXT*) {}
-void api::CmdEndDebugUtilsLabelEXT(VkCommandBuffer) {}
-void api::CmdInsertDebugUtilsLabelEXT(VkCommandBuffer, const VkDebugUtilsLabelEXT*) {}
 
 }  // namespace pineda::icd

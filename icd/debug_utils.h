@@ -3,6 +3,10 @@
 // error messages.
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "icd/labels.h"
 #include "icd/object.h"
 
 namespace pineda::icd {
@@ -24,6 +28,26 @@ class DebugReportCallback : public Object {
 
   Instance& instance;
   const VkDebugReportCallbackCreateInfoEXT info;
+};
+
+// While it exists, messages that this thread reports are about this object, and about what the queue executes: messengers get the
+// handle, its name and the labels around.
+class MessageScope {
+ public:
+  // `handle` may be null, `queue` too.
+  MessageScope(const Device& device, VkObjectType type, uint64_t handle, const Queue* queue = nullptr);
+  ~MessageScope();
+  MessageScope(const MessageScope&) = delete;
+
+  void describe(VkDebugUtilsMessengerCallbackDataEXT* data) const;
+  std::string text() const;  // the same for a sentence about a command buffer; may be empty
+
+ private:
+  const MessageScope* const outer_;
+  const std::string name_;
+  std::vector<VkDebugUtilsObjectNameInfoEXT> objects_;
+  std::vector<Label> queue_labels_, command_labels_;
+  mutable std::vector<VkDebugUtilsLabelEXT> queue_infos_, command_infos_;  // of the last describe()
 };
 
 // When an instance dies with messengers alive (invalid, but applications exit this way): they hear nothing more.

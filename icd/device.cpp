@@ -1,9 +1,13 @@
 #include "icd/device.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include "base/config.h"
 #include "base/log.h"
 #include "compiler/compile.h"
 #include "icd/api.h"
+#include "icd/debug_utils.h"
 #include "icd/extensions.h"
 #include "icd/features.h"
 #include "icd/instance.h"
@@ -30,9 +34,23 @@ void Device::lose(std::string_view reason, std::source_location where) {
   if (lost_.exchange(true)) return;
   std::string_view file = where.file_name();
   file = file.substr(file.rfind('/') + 1);
-  report(Severity::kError,
-         "device lost at " + std::string(file) + ":" + std::to_string(where.line()) + ": " + std::string(reason));
+  const auto [command_buffer, queue] = scheduler.executing();
+  const MessageScope scope(*this, VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<uint64_t>(command_buffer),
+                           command_buffer ? queue : nullptr);
+  const std::string about = scope.text();
+  std::string message = "device lost at " + std::string(file) + ":" + std::to_string(where.line()) + ": " + std::string(reason) +
+                        (about.empty() ? "" : " (" + about + ")");
+  report(Severity::kError, message);
+  {
+    const std::scoped_lock lock(loss_mutex_);
+    loss_reason_ = std::move(message);
+  }
   notifier.notify();  // waits for results that will not come
+}
+
+std::string Device::loss_reason() const {
+  const std::scoped_lock lock(loss_mutex_);
+  return loss_reason_;
 }
 
 bool Device::reserve_memory(VkDeviceSize size_bytes) {
@@ -127,6 +145,20 @@ void api::GetDeviceQueue2(VkDevice device, const VkDeviceQueueInfo2* info, VkQue
 void api::GetDeviceGroupPeerMemoryFeatures(VkDevice, uint32_t, uint32_t, uint32_t, VkPeerMemoryFeatureFlags* out) {
   *out = VK_PEER_MEMORY_FEATURE_COPY_SRC_BIT | VK_PEER_MEMORY_FEATURE_COPY_DST_BIT | VK_PEER_MEMORY_FEATURE_GENERIC_SRC_BIT |
          VK_PEER_MEMORY_FEATURE_GENERIC_DST_BIT;
+}
+
+// The reason is text; addresses mean nothing to an application, as all memory is the process's own.
+VkResult api::GetDeviceFaultInfoEXT(VkDevice device, VkDeviceFaultCountsEXT* counts, VkDeviceFaultInfoEXT* info) {
+  return guarded([&] {
+    counts->addressInfoCount = counts->vendorInfoCount = 0;
+    counts->vendorBinarySize = 0;
+    if (!info) return VK_SUCCESS;
+    const std::string reason = from(device)->loss_reason();
+    const size_t length = std::min(reason.size(), sizeof(info->description) - 1);
+    std::memcpy(info->description, reason.data(), length);
+    info->description[length] = 0;
+    return VK_SUCCESS;
+  });
 }
 
 VkResult api::DeviceWaitIdle(VkDevice device) {

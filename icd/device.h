@@ -47,6 +47,8 @@ class Device : public Dispatchable, public Object {
 
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   void lose(std::string_view reason, std::source_location where = std::source_location::current());
+  // What lose() has reported; empty before.
+  std::string loss_reason() const;
 
   // vkWait*: VK_TIMEOUT when ready() does not hold in time. Who has no deadline executes what is pending rather than sleep beside
   // it.
@@ -75,6 +77,8 @@ class Device : public Dispatchable, public Object {
  private:
   const GateSet gates_;  // of the enabled device extensions
   std::atomic<bool> lost_{false};
+  mutable std::mutex loss_mutex_;  // guards loss_reason_
+  std::string loss_reason_;
   std::atomic<VkDeviceSize> memory_bytes_{0};
   mutable std::mutex names_mutex_;  // guards names_
   std::unordered_map<uint64_t, std::string> names_;

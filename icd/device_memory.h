@@ -1,5 +1,5 @@
 // VkDeviceMemory: an anonymous mapping. New memory reads as zero (the kernel's pages), costs nothing until it is touched, and is
-// always mapped.
+// always mapped. Lazily allocated memory is the same without huge pages, so that what backs it is what was written.
 #pragma once
 
 #include "icd/object.h"
@@ -14,10 +14,14 @@ class DeviceMemory : public Object {
 
   uint8_t* data() const { return data_; }  // null: the mapping failed
   VkDeviceSize size_bytes() const { return size_bytes_; }
+  bool lazy() const { return lazy_; }
+  // What backs it now: all of it, or the pages of lazily allocated memory that hold something.
+  VkDeviceSize committed_bytes() const;
 
  private:
   Device& device_;
   const VkDeviceSize size_bytes_;
+  const bool lazy_;
   VkDeviceSize mapping_bytes_ = 0;
   uint8_t* mapping_ = nullptr;
   uint8_t* data_ = nullptr;

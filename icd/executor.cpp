@@ -53,6 +53,7 @@ void Executor::run(const CommandBuffer& command_buffer) {
   occlusion_ = statistics_ = {};
   walk(command_buffer);
   if (pass_) end_subpass();  // a primary that lacks vkCmdEndRenderPass is invalid, but its draws point into the arena
+  labels_.clear();
 }
 
 void Executor::walk(const CommandBuffer& command_buffer) {
@@ -83,6 +84,7 @@ void Executor::abandon() {
   replay_from_ = nullptr;
   begin_ = nullptr;
   ended_.clear();
+  labels_.clear();
 }
 
 // The state of primary and secondary are undefined to each other; only the render pass goes on.

@@ -14,6 +14,7 @@
 #include "icd/arena.h"
 #include "icd/command_list.h"
 #include "icd/graphics_pipeline.h"
+#include "icd/labels.h"
 #include "icd/object.h"
 #include "raster/raster.h"
 
@@ -28,6 +29,8 @@ class Executor {
   void run(const CommandBuffer& command_buffer);
   // After run() has thrown: drops the render pass in progress.
   void abandon();
+  // Those open in the command buffer that executes.
+  std::vector<Label> labels() const { return labels_.snapshot(); }
 
  private:
   // What vkCmdBind* and vkCmdPushConstants have set for graphics or compute.
@@ -85,6 +88,7 @@ class Executor {
   void dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> count);
 
   Device& device_;
+  LabelStack labels_;
   Arena arena_;  // draw contexts of the subpass
 
   // What pointers may reach. Not changed while a render pass holds contexts that point into it.

@@ -60,6 +60,8 @@ constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
     .customBorderColorWithoutFormat = VK_TRUE};
 constexpr VkPhysicalDeviceDepthClipEnableFeaturesEXT kDepthClipEnable{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DEPTH_CLIP_ENABLE_FEATURES_EXT, .depthClipEnable = VK_TRUE};
+constexpr VkPhysicalDeviceFaultFeaturesEXT kDeviceFault{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FAULT_FEATURES_EXT,
+                                                        .deviceFault = VK_TRUE};
 constexpr VkPhysicalDeviceIndexTypeUint8FeaturesEXT kIndexTypeUint8{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_INDEX_TYPE_UINT8_FEATURES_EXT, .indexTypeUint8 = VK_TRUE};
 constexpr VkPhysicalDeviceLineRasterizationFeaturesEXT kLineRasterization{
@@ -145,6 +147,7 @@ std::span<const FeatureRow> rows() {
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
       row(kDescriptorIndexing, kDescriptorIndexing.runtimeDescriptorArray),
       row(kDepthClipEnable, kDepthClipEnable.depthClipEnable),
+      row(kDeviceFault, kDeviceFault.deviceFaultVendorBinary),
       row(kIndexTypeUint8, kIndexTypeUint8.indexTypeUint8),
       row(kLineRasterization, kLineRasterization.stippledSmoothLines),
       row(kProvokingVertex, kProvokingVertex.transformFeedbackPreservesProvokingVertex),

@@ -1,8 +1,11 @@
 #include "icd/format_caps.h"
 
+#include <atomic>
 #include <bit>
+#include <cstdio>
 
 #include "base/format.h"
+#include "base/log.h"
 #include "base/sample_locations.h"
 #include "icd/limits.h"
 
@@ -45,6 +48,24 @@ VkFormatFeatureFlags image_features(const FormatInfo& format, VkImageTiling tili
 }
 
 constexpr VkImageUsageFlags kTransferUsage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+
+// Usage of Vulkan 1.0: none of the extensions here adds any. An application that sets another bit is wrong
+// (VUID-VkImageCreateInfo-usage-parameter), but Mesa's Zink does for every texture (that of
+// VK_EXT_attachment_feedback_loop_layout) and takes no for an answer that the format has no use at all. What a bit means that the
+// driver does not know cannot be asked of it later, so it is told once and left out.
+constexpr VkImageUsageFlags kKnownUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
+                                          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                                          VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT;
+
+VkImageUsageFlags known_usage(VkImageUsageFlags usage) {
+  static std::atomic<bool> told{false};
+  if ((usage & ~kKnownUsage) && !told.exchange(true)) {
+    char text[120];
+    std::snprintf(text, sizeof(text), "image usage 0x%x is of an extension that is not supported: ignored", usage & ~kKnownUsage);
+    report(Severity::kWarning, text);
+  }
+  return usage & kKnownUsage;
+}
 
 bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
   static constexpr struct {
@@ -107,8 +128,10 @@ VkFormatProperties format_properties(VkFormat format) {
   return properties;
 }
 
-VkResult image_format_properties(const ImageQuery& query, VkImageFormatProperties* out) {
+VkResult image_format_properties(const ImageQuery& asked, VkImageFormatProperties* out) {
   *out = {};
+  ImageQuery query = asked;
+  query.usage = known_usage(asked.usage);
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;

@@ -100,7 +100,8 @@ Image::Image(const Allocator& from, Device&, const VkImageCreateInfo& info)
       level_count(info.mipLevels),
       layer_count(info.arrayLayers),
       sample_count(static_cast<uint32_t>(info.samples)),
-      flags(info.flags) {
+      flags(info.flags),
+      usage(info.usage) {
   const Planes planes = *image_planes(info);
   planes_ = planes.plane;
   size_bytes_ = planes.size_bytes;
@@ -124,7 +125,10 @@ void api::DestroyImage(VkDevice device, VkImage image, const VkAllocationCallbac
 }
 
 void api::GetImageMemoryRequirements(VkDevice, VkImage image, VkMemoryRequirements* out) {
-  *out = {.size = from(image)->size_bytes(), .alignment = kResourceAlignment_bytes, .memoryTypeBits = 1};
+  const bool transient = (from(image)->usage & VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT) != 0;
+  *out = {.size = from(image)->size_bytes(),
+          .alignment = kResourceAlignment_bytes,
+          .memoryTypeBits = 1u << kMappedMemoryType | (transient ? 1u << kLazyMemoryType : 0)};
 }
 
 void api::GetImageSparseMemoryRequirements(VkDevice, VkImage, uint32_t* count, VkSparseImageMemoryRequirements*) { *count = 0; }

@@ -47,6 +47,7 @@ class Image : public Object {
   const FormatInfo& format;
   const uint32_t level_count, layer_count, sample_count;
   const VkImageCreateFlags flags;
+  const VkImageUsageFlags usage;
   VkDeviceSize size_bytes() const { return size_bytes_; }
 
   // VK_REMAINING_* resolved.

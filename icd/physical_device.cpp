@@ -135,9 +135,12 @@ void api::GetPhysicalDeviceQueueFamilyProperties(VkPhysicalDevice, uint32_t* cou
 
 void api::GetPhysicalDeviceMemoryProperties(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* out) {
   *out = {.memoryTypeCount = kMemoryTypeCount, .memoryHeapCount = 1};
-  out->memoryTypes[0] = {.propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                          VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
-                         .heapIndex = 0};
+  out->memoryTypes[kMappedMemoryType] = {
+      .propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                       VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+      .heapIndex = 0};
+  out->memoryTypes[kLazyMemoryType] = {
+      .propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT, .heapIndex = 0};
   out->memoryHeaps[0] = {.size = memory_heap_bytes(), .flags = VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
 }
 

@@ -28,7 +28,8 @@ std::string code_path_name();
 // Threads that render, from PINEDA_THREADS or the CPUs that the process may run on.
 uint32_t render_threads();
 
-inline constexpr uint32_t kMemoryTypeCount = 1;
+// Types of memory, by index. Lazily allocated memory backs transient attachments only; it has pages where something was written.
+inline constexpr uint32_t kMappedMemoryType = 0, kLazyMemoryType = 1, kMemoryTypeCount = 2;
 inline constexpr uint32_t kQueueFamilyCount = 3;  // everything; compute and transfer; transfer: one queue each
 
 }  // namespace pineda::icd

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "base/abi.h"
+#include "compiler/build_id.h"
+#include "compiler/hash.h"
 #include "icd/limits.h"
 #include "icd/physical_device.h"
 #include "icd/version.h"
@@ -18,11 +20,19 @@ void copy_text(char (&to)[kSize], const std::string& text) {
   std::memcpy(to, text.data(), std::min(text.size(), kSize - 1));
 }
 
-// The device is this driver on this kind of CPU: equal in all processes of a machine, whatever their environment.
+template <size_t kSize>
+void copy_hash(uint8_t (&to)[kSize], const std::string& text) {
+  const compiler::KernelHash hash = compiler::hash_bytes(text);
+  static_assert(sizeof(hash) == kSize);
+  std::memcpy(to, &hash, kSize);
+}
+
+// A device of software is what it computes: two builds are the same device when they agree on the golden images, whose hashes
+// CMakeLists.txt hashes once more. It is equal in all processes of a machine, whatever their environment, as the bits do not
+// depend on it. The driver is this build: its caches, and what it might share one day, are for itself alone.
 void fill(VkPhysicalDeviceIDProperties& to) {
-  static_assert(sizeof(kDeviceUuid) == sizeof(to.deviceUUID) && sizeof(kDriverUuid) == sizeof(to.driverUUID));
-  std::memcpy(to.deviceUUID, kDeviceUuid, sizeof(kDeviceUuid));
-  std::memcpy(to.driverUUID, kDriverUuid, sizeof(kDriverUuid));
+  copy_hash(to.deviceUUID, std::string("Pineda device ") + PINEDA_BIT_CONTRACT);
+  copy_hash(to.driverUUID, "Pineda driver " + compiler::build_id());
   std::memset(to.deviceLUID, 0, sizeof(to.deviceLUID));
   to.deviceNodeMask = 0;
   to.deviceLUIDValid = VK_FALSE;

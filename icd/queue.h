@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "icd/executor.h"
+#include "icd/labels.h"
 #include "icd/object.h"
 
 namespace pineda::icd {
@@ -40,6 +41,9 @@ class Queue : public Dispatchable {
   explicit Queue(Device& owner);
 
   Device& device;
+  LabelStack labels;  // of vkQueue*DebugUtilsLabelEXT
+  // Those of the command buffer that executes.
+  std::vector<Label> command_labels() const { return executor_.labels(); }
 
  private:
   friend class Scheduler;

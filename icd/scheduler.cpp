@@ -201,21 +201,23 @@ void Scheduler::run_front_locked(Queue& queue, std::unique_lock<std::mutex>& loc
 void Scheduler::execute(Queue& queue, std::span<const CommandBuffer* const> commands) noexcept {
   if (commands.empty()) return;
   const ScopedFloatEnvironment environment;
+  executing_queue_.store(&queue, std::memory_order_release);
   device_.watchdog.begin();
   try {
     for (const CommandBuffer* command_buffer : commands) {
       if (device_.lost()) break;
-      executing_.store(command_buffer);
+      executing_.store(command_buffer, std::memory_order_release);
       queue.executor_.run(*command_buffer);
     }
   } catch (const std::bad_alloc&) {
-    queue.executor_.abandon();
     device_.lose("out of host memory while commands were executed");
-  } catch (const std::exception& e) {
     queue.executor_.abandon();
+  } catch (const std::exception& e) {
     device_.lose(e.what());
+    queue.executor_.abandon();
   }
   device_.watchdog.end();
+  executing_.store(nullptr, std::memory_order_release);
 }
 
 void Scheduler::show(std::span<const Presentation> presentations) noexcept {

@@ -33,8 +33,12 @@ class Scheduler {
   VkResult wait_idle(const Queue* queue);
   // Executes the oldest submission that can start on this thread; false when there is none or somebody else is at work.
   bool help();
-  // What executes now or did last; for messages.
-  const CommandBuffer* executing() const { return executing_.load(); }
+  // What executes now, for messages: null when nothing does. The command buffer may only be compared; its queue stays.
+  struct Executing {
+    const CommandBuffer* command_buffer;
+    const Queue* queue;
+  };
+  Executing executing() const { return {executing_.load(), executing_queue_.load()}; }
   // Changes what submissions may wait for.
   template <typename Change>
   void change(Change&& change) {
@@ -67,6 +71,7 @@ class Scheduler {
 
   Device& device_;
   std::atomic<const CommandBuffer*> executing_{nullptr};
+  std::atomic<const Queue*> executing_queue_{nullptr};
   std::mutex mutex_;  // guards all below and the queues' pending work
   std::condition_variable changed_;
   uint64_t next_sequence_ = 0;

@@ -1,5 +1,6 @@
 #include "icd/shader_stage.h"
 
+#include "icd/debug_utils.h"
 #include "icd/device.h"
 #include "icd/shader_module.h"
 
@@ -39,6 +40,7 @@ VkResult parse_stage(const Device& device, const VkPipelineShaderStageCreateInfo
       {.words = from(info.module)->words(), .entry_point = info.pName, .stage = info.stage, .specialization = constants});
   if (!module) {
     const std::string name = device.name_of(reinterpret_cast<uint64_t>(info.module));
+    const MessageScope scope(device, VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<uint64_t>(info.module));
     report(Severity::kError, std::string(stage_name(info.stage)) + " shader " + (name.empty() ? "" : "'" + name + "' ") +
                                  "(entry point '" + info.pName + "'), SPIR-V word " + std::to_string(module.error().word) + ": " +
                                  module.error().text);

@@ -14,8 +14,4 @@ inline constexpr const char* kDriverVersionText = "0.1.0";
 inline constexpr uint32_t kVendorId = 0;
 inline constexpr uint32_t kDeviceId = 1;
 
-// What VkPhysicalDeviceIDProperties says. There is one device, and no handle of it that another driver could open.
-inline constexpr uint8_t kDeviceUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'C', 'P', 'U', 0, 0, 0, 0, 0, 1};
-inline constexpr uint8_t kDriverUuid[VK_UUID_SIZE] = {'P', 'i', 'n', 'e', 'd', 'a', ' ', 'd', 'r', 'i', 'v', 'e', 'r', 0, 1, 0};
-
 }  // namespace pineda::icd

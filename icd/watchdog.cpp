@@ -114,9 +114,8 @@ void Watchdog::main() {
       continue;
     }
     if (monotonic_ns() - began_ns < timeout_ns_) continue;
-    const std::string name = device_.name_of(reinterpret_cast<uint64_t>(device_.scheduler.executing()));
-    device_.lose("a submission " + (name.empty() ? "" : "(command buffer '" + name + "') ") + "ran for " +
-                 std::to_string(timeout_ns_ / kSecond_ns) + " s (PINEDA_TIMEOUT), so its shaders were stopped");
+    device_.lose("a submission ran for " + std::to_string(timeout_ns_ / kSecond_ns) +
+                 " s (PINEDA_TIMEOUT), so its shaders were stopped");
     lock.unlock();
     stop_kernels();
     return;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <initializer_list>
@@ -28,8 +29,14 @@ inline void* driver_symbol(const char* name) {
   return library ? dlsym(library, name) : nullptr;
 }
 
+// PINEDA_TEST_LOADER=1 goes through the Vulkan loader instead, and so through the layers of VK_INSTANCE_LAYERS.
 inline PFN_vkVoidFunction driver_proc(VkInstance instance, const char* name) {
-  static const auto get = reinterpret_cast<GetProcFn>(driver_symbol("vk_icdGetInstanceProcAddr"));
+  static const auto get = [] {
+    if (!std::getenv("PINEDA_TEST_LOADER")) return reinterpret_cast<GetProcFn>(driver_symbol("vk_icdGetInstanceProcAddr"));
+    void* loader = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+    EXPECT_NE(loader, nullptr) << dlerror();
+    return reinterpret_cast<GetProcFn>(dlsym(loader, "vkGetInstanceProcAddr"));
+  }();
   return get(instance, name);
 }
 
@@ -42,7 +49,10 @@ class Client {
   explicit Client(const VkAllocationCallbacks* callbacks = nullptr, std::initializer_list<const char*> instance_extensions = {},
                   std::initializer_list<const char*> device_extensions = {}, const void* device_chain = nullptr)
       : callbacks_(callbacks) {
+    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    application.apiVersion = VK_API_VERSION_1_1;
     VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    instance_info.pApplicationInfo = &application;
     instance_info.enabledExtensionCount = static_cast<uint32_t>(instance_extensions.size());
     instance_info.ppEnabledExtensionNames = instance_extensions.begin();
     const auto create = reinterpret_cast<PFN_vkCreateInstance>(driver_proc(nullptr, "vkCreateInstance"));

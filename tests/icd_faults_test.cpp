@@ -51,20 +51,37 @@ size_t mapping_count() {
   return size_t(std::count(std::istreambuf_iterator<char>(maps), {}, '\n'));
 }
 
+// What a messenger was told.
+struct Messages {
+  std::string text, objects, command_labels, queue_labels;
+};
+
+VkBool32 keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                      const VkDebugUtilsMessengerCallbackDataEXT* data, void* to) {
+  auto& messages = *static_cast<Messages*>(to);
+  messages.text += data->pMessage;
+  for (uint32_t i = 0; i < data->objectCount; ++i) {
+    messages.objects += std::to_string(data->pObjects[i].objectType) + ":";
+    messages.objects += data->pObjects[i].pObjectName ? data->pObjects[i].pObjectName : "?";
+  }
+  for (uint32_t i = 0; i < data->cmdBufLabelCount; ++i)
+    messages.command_labels += data->pCmdBufLabels[i].pLabelName + std::string(";");
+  for (uint32_t i = 0; i < data->queueLabelCount; ++i)
+    messages.queue_labels += data->pQueueLabels[i].pLabelName + std::string(";");
+  return VK_FALSE;
+}
+
 // Dispatches a shader that never ends; 0 when the device is lost in time and the message says why.
 int dispatch_endless(std::span<const uint32_t> shader) {
   Client::Buffer buffer;
-  std::string messages;
-  PipelineClient client(nullptr, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME});
+  Messages messages;
+  VkPhysicalDeviceFaultFeaturesEXT fault{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FAULT_FEATURES_EXT, nullptr, VK_TRUE, VK_FALSE};
+  PipelineClient client(nullptr, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME}, {VK_EXT_DEVICE_FAULT_EXTENSION_NAME}, &fault);
   VkDebugUtilsMessengerCreateInfoEXT messenger_info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
   messenger_info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   messenger_info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
   messenger_info.pUserData = &messages;
-  messenger_info.pfnUserCallback = [](VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                      const VkDebugUtilsMessengerCallbackDataEXT* data, void* to) -> VkBool32 {
-    *static_cast<std::string*>(to) += data->pMessage;
-    return VK_FALSE;
-  };
+  messenger_info.pfnUserCallback = keep_message;
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
   VK(client, CreateDebugUtilsMessengerEXT)(client.instance, &messenger_info, nullptr, &messenger);
   const VkDescriptorSetLayout set_layout =
@@ -80,16 +97,40 @@ int dispatch_endless(std::span<const uint32_t> shader) {
                                            VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<uint64_t>(cb), "the endless one"};
   VK(client, SetDebugUtilsObjectNameEXT)(client.device, &name);
   client.begin(cb);
+  const auto label = [](const char* text) {
+    return VkDebugUtilsLabelEXT{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, text, {}};
+  };
+  const auto over = label("over"), frame = label("frame"), physics = label("physics"), queue_label = label("loading");
+  VK(client, CmdBeginDebugUtilsLabelEXT)(cb, &over);
+  VK(client, CmdEndDebugUtilsLabelEXT)(cb);
+  VK(client, CmdBeginDebugUtilsLabelEXT)(cb, &frame);
+  VK(client, CmdInsertDebugUtilsLabelEXT)(cb, &over);
+  VK(client, CmdBeginDebugUtilsLabelEXT)(cb, &physics);
   VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
   VK(client, CmdDispatch)(cb, 2, 1, 1);
+  VK(client, CmdEndDebugUtilsLabelEXT)(cb);
+  VK(client, CmdEndDebugUtilsLabelEXT)(cb);
   VK(client, EndCommandBuffer)(cb);
+  VkDeviceFaultCountsEXT counts{VK_STRUCTURE_TYPE_DEVICE_FAULT_COUNTS_EXT};
+  VkDeviceFaultInfoEXT info{VK_STRUCTURE_TYPE_DEVICE_FAULT_INFO_EXT};
+  VK(client, QueueBeginDebugUtilsLabelEXT)(client.queue, &queue_label);
   const auto start = steady_clock::now();
   (void)client.submit(cb);  // may execute it, and then says so itself
   if (VK(client, QueueWaitIdle)(client.queue) != VK_ERROR_DEVICE_LOST) return 2;
   if (steady_clock::now() - start > std::chrono::seconds(5)) return 3;
-  if (messages.find("PINEDA_TIMEOUT") == std::string::npos) return 4;
-  if (messages.find("the endless one") == std::string::npos) return 5;
+  VK(client, QueueEndDebugUtilsLabelEXT)(client.queue);
+  if (messages.text.find("PINEDA_TIMEOUT") == std::string::npos) return 4;
+  if (messages.text.find("command buffer 'the endless one', label 'frame > physics', queue label 'loading'") ==
+      std::string::npos) {
+    printf("%s\n", messages.text.c_str());
+    return 5;
+  }
+  if (messages.objects != std::to_string(VK_OBJECT_TYPE_COMMAND_BUFFER) + ":the endless one") return 6;
+  if (messages.command_labels != "physics;frame;" || messages.queue_labels != "loading;") return 7;  // innermost first
+  if (VK(client, GetDeviceFaultInfoEXT)(client.device, &counts, nullptr) != VK_SUCCESS || counts.addressInfoCount != 0) return 8;
+  if (VK(client, GetDeviceFaultInfoEXT)(client.device, &counts, &info) != VK_SUCCESS) return 9;
+  if (std::string(info.description).find("PINEDA_TIMEOUT") == std::string::npos) return 10;
   VK(client, DestroyDebugUtilsMessengerEXT)(client.instance, messenger, nullptr);
   return 0;
 }

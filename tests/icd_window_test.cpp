@@ -259,6 +259,12 @@ TEST_P(IcdX11, FramesAreOnTheScreenAndResizingIsTold) {
   ASSERT_EQ(client.create(surface, {200, 120}, &second, swapchain, VK_PRESENT_MODE_IMMEDIATE_KHR), VK_SUCCESS);
   ASSERT_EQ(client.frame(second, 0x0F1E2D, acquired, drawn), VK_SUCCESS);
   EXPECT_EQ(server.pixel(window, 199, 119), 0x0F1E2Du);
+  // Neither waits for a screen: as many frames as in the second that FIFO would need take no time.
+  VkSwapchainKHR third = VK_NULL_HANDLE;
+  ASSERT_EQ(client.create(surface, {200, 120}, &third, second, VK_PRESENT_MODE_MAILBOX_KHR), VK_SUCCESS);
+  for (uint32_t i = 0; i < 60; ++i) ASSERT_EQ(client.frame(third, i, acquired, drawn), VK_SUCCESS);
+  EXPECT_EQ(server.pixel(window, 100, 60), 59u);
+  ASSERT_EQ(client.create(surface, {200, 120}, &second, third, VK_PRESENT_MODE_IMMEDIATE_KHR), VK_SUCCESS);
   // Unmapped (minimised): frames go nowhere, without an error. Destroyed: the surface is lost.
   xcb_unmap_window(server.connection(), window);
   EXPECT_EQ(client.frame(second, 1, acquired, drawn), VK_SUCCESS);
@@ -269,6 +275,12 @@ TEST_P(IcdX11, FramesAreOnTheScreenAndResizingIsTold) {
   VkSurfaceCapabilitiesKHR capabilities;
   EXPECT_EQ(VK(client, GetPhysicalDeviceSurfaceCapabilitiesKHR)(client.physical, surface, &capabilities),
             VK_ERROR_SURFACE_LOST_KHR);
+  // Errors of the driver's requests are its own: Xlib would end the process for one.
+  xcb_flush(server.connection());
+  while (xcb_generic_event_t* event = xcb_poll_for_event(server.connection())) {
+    EXPECT_NE(event->response_type, 0) << "error " << int(reinterpret_cast<xcb_generic_error_t*>(event)->error_code);
+    std::free(event);
+  }
 }
 
 // With MIT-SHM the server reads the images in place; without, they go through the socket.

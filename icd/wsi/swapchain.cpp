@@ -54,17 +54,18 @@ Swapchain::Swapchain(const Allocator& from_allocator, Device& device, const VkSw
       fifo_(info.presentMode == VK_PRESENT_MODE_FIFO_KHR),
       handles_(HostAllocator<VkImage>(&allocator)),
       images_(HostAllocator<PresentedImage>(&allocator)) {
-  complete_ = add_images(info);
+  created_ = add_images(info);
 }
 
-bool Swapchain::add_images(const VkSwapchainCreateInfoKHR& info) {
+VkResult Swapchain::add_images(const VkSwapchainCreateInfoKHR& info) {
   const VkImageCreateInfo create = image_info(info);
   const uint32_t count = std::max(info.minImageCount, 2u);
   handles_.reserve(count);
   images_.reserve(count);
   for (uint32_t i = 0; i < count; ++i) {
     VkImage handle = VK_NULL_HANDLE;
-    if (api::CreateImage(to_handle(&device_), &create, nullptr, &handle) != VK_SUCCESS) return false;
+    const VkResult result = api::CreateImage(to_handle(&device_), &create, nullptr, &handle);
+    if (result != VK_SUCCESS) return result;
     handles_.push_back(handle);
     if (!presenter_) {
       const Image& image = *from(handle);
@@ -75,11 +76,11 @@ bool Swapchain::add_images(const VkSwapchainCreateInfoKHR& info) {
                                          .has_alpha = info.compositeAlpha == VK_COMPOSITE_ALPHA_PRE_MULTIPLIED_BIT_KHR});
     }
     uint8_t* memory = presenter_ ? presenter_->add_image() : nullptr;
-    if (!memory) return false;
+    if (!memory) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     from(handle)->bind(memory);
     images_.push_back({memory});
   }
-  return true;
+  return VK_SUCCESS;
 }
 
 // Presentations are part of what the application waits for before it destroys; vkQueuePresentKHR has no fence to wait for, so
@@ -174,11 +175,12 @@ void Swapchain::retire() {
 VkResult api::CreateSwapchainKHR(VkDevice device, const VkSwapchainCreateInfoKHR* info, const VkAllocationCallbacks* callbacks,
                                  VkSwapchainKHR* out) {
   if (info->oldSwapchain) from(info->oldSwapchain)->retire();  // "even if creation of the new swapchain fails"
-  const VkResult result = create_device_object<Swapchain>(device, info, callbacks, out);
-  if (result != VK_SUCCESS || from(*out)->complete()) return result;
+  VkResult result = create_device_object<Swapchain>(device, info, callbacks, out);
+  if (result == VK_SUCCESS) result = from(*out)->created();
+  if (result == VK_SUCCESS || !*out) return result;
   DestroySwapchainKHR(device, *out, callbacks);
   *out = VK_NULL_HANDLE;
-  return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  return result;
 }
 
 void api::DestroySwapchainKHR(VkDevice device, VkSwapchainKHR swapchain, const VkAllocationCallbacks* callbacks) {

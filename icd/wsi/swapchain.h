@@ -22,7 +22,7 @@ class Swapchain : public Object {
   Swapchain(const Allocator& from, Device& device, const VkSwapchainCreateInfoKHR& info);
   ~Swapchain();
 
-  bool complete() const { return complete_; }  // false: the window system had no memory
+  VkResult created() const { return created_; }  // other than VK_SUCCESS: memory was missing, here or in the window system
   std::span<const VkImage> images() const { return handles_; }
   uint8_t* memory(uint32_t image) const { return images_[image].memory; }
 
@@ -43,13 +43,13 @@ class Swapchain : public Object {
     uint64_t ready_ns = 0;  // when a free image may be acquired
   };
 
-  bool add_images(const VkSwapchainCreateInfoKHR& info);
+  VkResult add_images(const VkSwapchainCreateInfoKHR& info);
   bool find_free_locked(uint64_t now_ns, uint32_t* image) const;
 
   Device& device_;
   const bool fifo_;
   std::unique_ptr<Presenter> presenter_;
-  bool complete_ = false;
+  VkResult created_ = VK_SUCCESS;
   HostVector<VkImage> handles_;
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;

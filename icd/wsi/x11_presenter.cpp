@@ -42,16 +42,17 @@ X11Presenter::X11Presenter(const XcbLibrary& xcb, xcb_connection_t* connection, 
       gc_(xcb.xcb_generate_id(connection)),
       can_share_(server_shares(xcb, connection)) {
   const uint32_t no_exposures = 0;
-  xcb_.xcb_create_gc(connection_, gc_, window_, XCB_GC_GRAPHICS_EXPOSURES, &no_exposures);
+  xcb_.ignore_errors(connection_,
+                     xcb_.xcb_create_gc_checked(connection_, gc_, window_, XCB_GC_GRAPHICS_EXPOSURES, &no_exposures));
 }
 
 X11Presenter::~X11Presenter() {
   for (const Image& image : images_) {
     if (!image.segment) continue;
-    xcb_.xcb_shm_detach(connection_, image.segment);
+    xcb_.ignore_errors(connection_, xcb_.xcb_shm_detach_checked(connection_, image.segment));
     shmdt(image.data);
   }
-  xcb_.xcb_free_gc(connection_, gc_);
+  xcb_.ignore_errors(connection_, xcb_.xcb_free_gc_checked(connection_, gc_));
   xcb_.xcb_flush(connection_);
 }
 
@@ -96,17 +97,20 @@ void X11Presenter::put_through_socket(const uint8_t* pixels) {
     for (uint32_t row = 0; row < rows; ++row) {
       std::memcpy(packed.data() + row * row_bytes, pixels + size_t(y + row) * image_.row_pitch_bytes, row_bytes);
     }
-    xcb_.xcb_put_image(connection_, XCB_IMAGE_FORMAT_Z_PIXMAP, window_, gc_, uint16_t(image_.extent.width), uint16_t(rows), 0,
-                       int16_t(y), 0, depth_, uint32_t(packed.size()), packed.data());
+    xcb_.ignore_errors(connection_, xcb_.xcb_put_image_checked(connection_, XCB_IMAGE_FORMAT_Z_PIXMAP, window_, gc_,
+                                                               uint16_t(image_.extent.width), uint16_t(rows), 0, int16_t(y), 0,
+                                                               depth_, uint32_t(packed.size()), packed.data()));
   }
 }
 
 VkResult X11Presenter::show(uint32_t index, bool) {
   const Image& image = images_[index];
   if (image.segment) {
-    xcb_.xcb_shm_put_image(connection_, window_, gc_, uint16_t(image_.row_pitch_bytes / kTexelBytes),
-                           uint16_t(image_.extent.height), 0, 0, uint16_t(image_.extent.width), uint16_t(image_.extent.height), 0,
-                           0, depth_, XCB_IMAGE_FORMAT_Z_PIXMAP, 0, image.segment, 0);
+    xcb_.ignore_errors(connection_,
+                       xcb_.xcb_shm_put_image_checked(connection_, window_, gc_, uint16_t(image_.row_pitch_bytes / kTexelBytes),
+                                                      uint16_t(image_.extent.height), 0, 0, uint16_t(image_.extent.width),
+                                                      uint16_t(image_.extent.height), 0, 0, depth_, XCB_IMAGE_FORMAT_Z_PIXMAP, 0,
+                                                      image.segment, 0));
   } else {
     put_through_socket(image.data);
   }

@@ -10,14 +10,15 @@
 
 namespace pineda::icd {
 
-#define PINEDA_XCB_FUNCTIONS(X)                                                                                                \
-  X(xcb_get_geometry)                                                                                                          \
-  X(xcb_get_geometry_reply)                                                                                                    \
-  X(xcb_get_setup)                                                                                                             \
-  X(xcb_setup_roots_iterator) X(xcb_screen_next) X(xcb_screen_allowed_depths_iterator) X(xcb_depth_next)                       \
-      X(xcb_depth_visuals_iterator) X(xcb_visualtype_next) X(xcb_generate_id) X(xcb_create_gc) X(xcb_free_gc) X(xcb_put_image) \
-          X(xcb_get_maximum_request_length) X(xcb_flush) X(xcb_request_check) X(xcb_get_extension_data)
-#define PINEDA_XCB_SHM_FUNCTIONS(X) X(xcb_shm_attach_checked) X(xcb_shm_detach) X(xcb_shm_put_image)
+#define PINEDA_XCB_FUNCTIONS(X)                                                                                          \
+  X(xcb_get_geometry)                                                                                                    \
+  X(xcb_get_geometry_reply)                                                                                              \
+  X(xcb_get_setup)                                                                                                       \
+  X(xcb_setup_roots_iterator)                                                                                            \
+  X(xcb_screen_next) X(xcb_screen_allowed_depths_iterator) X(xcb_depth_next) X(xcb_depth_visuals_iterator)               \
+      X(xcb_visualtype_next) X(xcb_generate_id) X(xcb_create_gc_checked) X(xcb_free_gc_checked) X(xcb_put_image_checked) \
+          X(xcb_get_maximum_request_length) X(xcb_flush) X(xcb_request_check) X(xcb_discard_reply) X(xcb_get_extension_data)
+#define PINEDA_XCB_SHM_FUNCTIONS(X) X(xcb_shm_attach_checked) X(xcb_shm_detach_checked) X(xcb_shm_put_image_checked)
 
 struct XcbLibrary {
 #define PINEDA_DECLARE(name) decltype(&::name) name = nullptr;
@@ -26,6 +27,11 @@ struct XcbLibrary {
 #undef PINEDA_DECLARE
   xcb_extension_t* shm_id = nullptr;  // null: no libxcb-shm, images go through the socket
 
+  // For requests whose errors concern nobody: a window may be gone at any time, and an error that is not caught ends in the
+  // application's event queue, where Xlib's own handler ends the process.
+  void ignore_errors(xcb_connection_t* connection, xcb_void_cookie_t cookie) const {
+    xcb_discard_reply(connection, cookie.sequence);
+  }
   xcb_connection_t* connection_of(Display* display) const;  // null when libX11-xcb is missing
 };
 
