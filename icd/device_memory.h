@@ -21,11 +21,11 @@ class DeviceMemory : public Object {
  private:
   Device& device_;
   const VkDeviceSize size_bytes_;
+  const bool has_address_;  // shaders may reach it by pointers
   const bool lazy_;
   VkDeviceSize mapping_bytes_ = 0;
   uint8_t* mapping_ = nullptr;
   uint8_t* data_ = nullptr;
-  const bool has_address_;  // shaders may reach it by pointers
 };
 
 // Alignment of every resource: one cache line.

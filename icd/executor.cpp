@@ -31,6 +31,7 @@ void Executor::reset_state() {
   dynamic_ = {};
   index_ = {};
   dirty_ = kAll;
+  pristine_ = true;
 }
 
 // Memory may have been allocated since: at the start of a command buffer and of each dispatch is soon enough, as what a command sees
@@ -48,7 +49,7 @@ void Executor::update_addresses() {
 }
 
 void Executor::run(const CommandBuffer& command_buffer) {
-  reset_state();
+  if (!pristine_) reset_state();  // a few kilobytes: most of what an empty submission would cost
   update_addresses();
   occlusion_ = statistics_ = {};
   walk(command_buffer);
@@ -61,6 +62,7 @@ void Executor::walk(const CommandBuffer& command_buffer) {
     device_.lose("a command buffer was submitted that has not been recorded completely");
     return;
   }
+  if (command_buffer.commands()) pristine_ = false;
   const bool is_primary = command_buffer.level == VK_COMMAND_BUFFER_LEVEL_PRIMARY;  // render passes begin and end there
   for (const CommandHeader* header = command_buffer.commands(); header && !device_.lost(); header = header->next) {
     if (is_primary) current_ = header;

@@ -102,6 +102,7 @@ class Executor {
   DynamicState dynamic_;
   cmd::BindIndexBuffer index_{};
   uint32_t dirty_ = kAll;
+  bool pristine_ = true;  // nothing has been executed since reset_state()
 
   // Derived from it.
   const compiler::GraphicsKernels* kernels_ = nullptr;

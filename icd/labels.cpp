@@ -25,6 +25,7 @@ void LabelStack::drop_inserted_locked() {
 
 void LabelStack::begin(const char* name, const float (&color)[4]) {
   Label label = make_label(name, color);
+  any_.store(true, std::memory_order_relaxed);
   const std::scoped_lock lock(mutex_);
   drop_inserted_locked();
   open_.push_back(std::move(label));
@@ -43,6 +44,8 @@ void LabelStack::insert(const char* name, const float (&color)[4]) {
 }
 
 void LabelStack::clear() {
+  if (!any_.load(std::memory_order_relaxed)) return;
+  any_.store(false, std::memory_order_relaxed);
   const std::scoped_lock lock(mutex_);
   open_.clear();
   inserted_ = false;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -29,7 +30,8 @@ class LabelStack {
  private:
   void drop_inserted_locked();
 
-  mutable std::mutex mutex_;  // guards all below
+  std::atomic<bool> any_{false};  // begin() was called since clear(): who labels nothing pays for no lock
+  mutable std::mutex mutex_;      // guards all below
   std::vector<Label> open_;
   bool inserted_ = false;  // the last one came by insert()
 };

@@ -48,18 +48,18 @@ Watchdog::~Watchdog() {
 }
 
 void Watchdog::begin() noexcept {
-  began_ns_.store(monotonic_ns());
+  running_.store(++serial_);
   while (kernels_stopped()) {  // until another device's shader has come to its end
-    began_ns_.store(0);
+    running_.store(0);
     std::unique_lock lock(pack().mutex);
     pack().changed.wait(lock, [] { return !pack().stopping; });
-    began_ns_.store(monotonic_ns());
+    running_.store(serial_);
   }
   if (timeout_ns_ != 0 && !watching_.load()) start_thread();
 }
 
 void Watchdog::end() noexcept {
-  began_ns_.store(0);
+  running_.store(0);
   if (!kernels_stopped()) return;
   {
     const std::scoped_lock lock(pack().mutex);
@@ -72,11 +72,11 @@ void Watchdog::end() noexcept {
 
 void Watchdog::stop_kernels() {
   const std::scoped_lock lock(pack().mutex);
-  if (began_ns_.load() == 0) return;  // it has just come to its end by itself
+  if (running_.load() == 0) return;  // it has just come to its end by itself
   pack().stopping = this;
   stop_word().store(1);
   for (Watchdog* other : pack().all) {
-    if (other != this && other->began_ns_.load() != 0) {
+    if (other != this && other->running_.load() != 0) {
       other->device_.lose("a shader of another device in this process was stopped while this one executed");
     }
   }
@@ -101,19 +101,26 @@ void Watchdog::main() {
   pthread_setname_np(pthread_self(), "pineda-watchdog");
   const std::chrono::nanoseconds look(std::min(timeout_ns_ / 4, kMaxLook_ns));
   std::unique_lock lock(mutex_);
+  uint64_t seen = 0, seen_ns = 0;  // what ran at the last look, and since when it does
   while (!stopping_) {
     if (!watching_) {
       changed_.wait(lock);
+      seen = 0;
       continue;
     }
     changed_.wait_for(lock, look);
-    const uint64_t began_ns = began_ns_.load();
-    if (began_ns == 0) {
+    const uint64_t running = running_.load();
+    if (running == 0) {
       watching_ = false;
-      if (began_ns_.load() != 0) watching_ = true;  // a submission that began just now saw it up
+      if (running_.load() != 0) watching_ = true;  // a submission that began just now saw it up
       continue;
     }
-    if (monotonic_ns() - began_ns < timeout_ns_) continue;
+    if (running != seen) {
+      seen = running;
+      seen_ns = monotonic_ns();
+      continue;
+    }
+    if (monotonic_ns() - seen_ns < timeout_ns_) continue;
     device_.lose("a submission ran for " + std::to_string(timeout_ns_ / kSecond_ns) +
                  " s (PINEDA_TIMEOUT), so its shaders were stopped");
     lock.unlock();

@@ -1,7 +1,7 @@
-// Ends shaders that never end. While a submission executes, a thread of its own looks now and then how long it has been at work;
-// past PINEDA_TIMEOUT the device is lost, and the stop word (base/stop_word.h), at which kernels look in every turn of a loop,
-// makes what runs come to its end. The word is the process's: other devices that execute at that moment lose their results, and
-// are lost too.
+// Ends shaders that never end. While submissions execute, a thread of its own looks now and then whether it sees the same one as
+// before, so that executing costs no look at the clock; past PINEDA_TIMEOUT the device is lost, and the stop word
+// (base/stop_word.h), at which kernels look in every turn of a loop, makes what runs come to its end. The word is the process's:
+// other devices that execute at that moment lose their results, and are lost too.
 //
 // The thread starts with the first submission that executes commands, and sleeps for good while nothing does.
 #pragma once
@@ -32,8 +32,9 @@ class Watchdog {
 
   Device& device_;
   const uint64_t timeout_ns_;          // 0: no limit
-  std::atomic<uint64_t> began_ns_{0};  // 0: nothing executes
-  std::atomic<bool> watching_{false};  // the thread looks at began_ns_ by itself
+  uint64_t serial_ = 0;                // of the last submission; of who holds the baton
+  std::atomic<uint64_t> running_{0};   // the serial of what executes; 0: nothing does
+  std::atomic<bool> watching_{false};  // the thread looks at running_ by itself
   std::mutex mutex_;                   // guards all below
   std::condition_variable changed_;
   bool stopping_ = false;

@@ -76,17 +76,23 @@ client_vulkaninfo() {
 }
 client_vkcube() {
   have vkcube || { row vkcube - 'skipped: not installed' vkcube; return; }
-  row 'vkcube, X11' "$(version vulkan-tools)" "$(window vkcube 5 vkcube)" vkcube
+  local mode
+  for mode in 0 1 2; do  # VkPresentModeKHR: immediate, mailbox, FIFO
+    row 'vkcube, X11' "$(version vulkan-tools)" "$(window vkcube 4 vkcube --present_mode $mode)" "vkcube --present_mode $mode"
+  done
 }
 client_vkcube_wayland() {
   { have weston && have vkcube-wayland; } || { row 'vkcube, Wayland' - 'skipped: weston is not installed' vkcube-wayland; return; }
   weston --backend=headless-backend.so --socket=wl-pineda --use-pixman --idle-time=0 >"$work/weston.log" 2>&1 &
   pids+=($!)
   for _ in $(seq 50); do [ -S "$work/wl-pineda" ] && break; sleep 0.1; done
-  WAYLAND_DISPLAY=wl-pineda timeout 20 vkcube-wayland --c 100 >"$work/wayland.log" 2>&1
-  local status=$?
-  [ "$status" = 124 ] && status=1
-  row 'vkcube, Wayland' "$(version vulkan-tools)" "$(verdict "$work/wayland.log" $status 'Pineda')" 'vkcube-wayland --c 100'
+  local mode status
+  for mode in 1 2; do  # VkPresentModeKHR: mailbox, FIFO
+    WAYLAND_DISPLAY=wl-pineda timeout 20 vkcube-wayland --present_mode $mode --c 100 >"$work/wayland.log" 2>&1
+    status=$?
+    [ "$status" = 124 ] && status=1
+    row 'vkcube, Wayland' "$(version vulkan-tools)" "$(verdict "$work/wayland.log" $status 'Pineda')" "vkcube-wayland --present_mode $mode --c 100"
+  done
 }
 client_vkd3d() {
   for demo in vkd3d-triangle vkd3d-gears; do
@@ -106,13 +112,61 @@ client_gfxrecon() {
 client_validation() {
   "$build/pineda" golden --validate "$here/../golden/scenes.txt" >"$work/validation.log" 2>&1
   row 'validation layer' "$(version vulkan-validationlayers)" "$(verdict "$work/validation.log" $? '')" 'pineda golden --validate'
+  VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT \
+    "$build/pineda" golden --validate "$here/../golden/scenes.txt" >"$work/validation.log" 2>&1
+  row 'validation layer, synchronization' "$(version vulkan-validationlayers)" "$(verdict "$work/validation.log" $? '')" 'the same'
 }
+# Mesa's loader takes Zink as a driver with windows of its own; GALLIUM_DRIVER alone draws into nothing, on any Vulkan driver.
 client_zink() {
-  export LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=zink
+  export LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=zink MESA_LOADER_DRIVER_OVERRIDE=zink
   have glxgears && row 'glxgears (OpenGL, Zink)' "$(version libgl1-mesa-dri)" "$(window glxgears 6 glxgears -info)" glxgears
-  have glmark2 && row 'glmark2 (OpenGL, Zink)' "$(version glmark2-x11)" "$(window glmark2 8 glmark2 -b build -b texture -b shading)" \
-    'glmark2 -b build -b texture -b shading'
-  unset LIBGL_ALWAYS_SOFTWARE GALLIUM_DRIVER
+  if have glmark2; then
+    row 'glmark2 (OpenGL, Zink)' "$(version glmark2-x11)" "$(window glmark2 8 glmark2 -b terrain:duration=9)" 'glmark2 -b terrain'
+    timeout 180 glmark2 --validate --size 300x225 >"$work/glmark2.log" 2>&1
+    local status=$?
+    grep -q 'Validation: Failure' "$work/glmark2.log" && status=1
+    row 'glmark2, all scenes (OpenGL, Zink)' "$(version glmark2-x11)" \
+      "$(verdict "$work/glmark2.log" $status 'Validation: Success'), $(grep -c 'Validation: Success' "$work/glmark2.log") scenes checked" \
+      'glmark2 --validate'
+  fi
+  unset LIBGL_ALWAYS_SOFTWARE GALLIUM_DRIVER MESA_LOADER_DRIVER_OVERRIDE
+}
+client_qt() {
+  local qml=/usr/lib/qt6/bin/qml
+  [ -x $qml ] || { row 'Qt Quick' - 'skipped: not installed' qml; return; }
+  export QSG_RHI_BACKEND=vulkan QSG_INFO=1
+  row 'Qt Quick' "$(version qml6-module-qtquick)" "$(window qt 7 timeout -s KILL 6 $qml "$here/quick.qml")" \
+    'QSG_RHI_BACKEND=vulkan qml tests/clients/quick.qml'
+  unset QSG_RHI_BACKEND QSG_INFO
+}
+client_mpv() {
+  { have mpv && have ffmpeg; } || { row 'mpv, libplacebo' - 'skipped: not installed' mpv; return; }
+  ffmpeg -v error -f lavfi -i testsrc2=size=320x240:rate=10:duration=2 -pix_fmt yuv420p -c:v mpeg4 -y "$work/clip.mp4"
+  local device
+  device=$(vulkaninfo --summary 2>/dev/null | sed -n 's/.*deviceName *= //p')
+  row 'mpv (libplacebo)' "$(version mpv)" "$(window mpv 7 mpv --no-config --gpu-api=vulkan --gpu-context=x11vk --vulkan-device="$device" \
+    --vo=gpu --loop "$work/clip.mp4")" 'mpv --gpu-api=vulkan --vulkan-device="Pineda ..." clip.mp4'
+}
+client_gstreamer() {
+  have gst-launch-1.0 || { row 'GStreamer' - 'skipped: not installed' gst-launch-1.0; return; }
+  row 'GStreamer, vulkansink' "$(version gstreamer1.0-plugins-bad)" "$(window gstreamer 7 gst-launch-1.0 videotestsrc ! \
+    video/x-raw,format=RGBA,width=320,height=240 ! vulkanupload ! vulkancolorconvert ! vulkansink)" 'videotestsrc ! vulkanupload ! vulkancolorconvert ! vulkansink'
+}
+client_sdl() {
+  local program=/usr/libexec/installed-tests/SDL2/testvulkan
+  [ -x $program ] || { row 'SDL testvulkan' - 'skipped: not installed' testvulkan; return; }
+  row 'SDL testvulkan' "$(version libsdl2-tests)" "$(window sdl 5 $program)" testvulkan
+}
+# What FFmpeg uploads it gets back. Its filters declare rgba8 for images of R8 (undefined in Vulkan), so their output is not looked at.
+client_ffmpeg() {
+  have ffmpeg || { row 'FFmpeg' - 'skipped: not installed' ffmpeg; return; }
+  local filter source='testsrc2=size=320x240:rate=10:duration=1'
+  for filter in format=yuv420p,hwupload,hwdownload,format=yuv420p format=yuv420p; do
+    timeout 60 ffmpeg -v error -init_hw_device vulkan=v:0 -filter_hw_device v -f lavfi -i $source -vf $filter -f framemd5 - \
+      >"$work/$filter.md5" 2>>"$work/ffmpeg.log"
+  done
+  cmp -s "$work/format=yuv420p.md5" "$work/format=yuv420p,hwupload,hwdownload,format=yuv420p.md5"
+  row 'FFmpeg, hwupload and hwdownload' "$(version ffmpeg)" "$(verdict "$work/ffmpeg.log" $? '')" 'ffmpeg -vf hwupload,hwdownload'
 }
 client_chromium() {
   have chromium || { row 'Chromium, WebGL 2' - 'skipped: not installed' chromium; return; }
@@ -133,7 +187,7 @@ client_dawn() {
 }
 
 start_display || true
-all=(vulkaninfo vkcube vkcube_wayland vkd3d gfxrecon validation zink chromium dawn)
+all=(vulkaninfo vkcube vkcube_wayland vkd3d gfxrecon validation zink qt mpv gstreamer sdl ffmpeg chromium dawn)
 {
   echo '# Programs that nobody here wrote'
   echo
