@@ -64,6 +64,7 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
                          .vertex_slots = static_cast<uint32_t>(4 + varyings.size()),
                          .outputs = outputs,
                          .early_depth = fragment->early_depth,
+                         .late_depth = fragment->late_depth,
                          .reads_color = fragment->reads_color,
                          .opaque = fragment->opaque,
                          .has_side_effects = fragment->has_side_effects,

@@ -107,6 +107,9 @@ struct FragmentState {
   uint32_t sample_mask = 0xFFFF;  // bit s: sample s may be written
   bool sample_shading = false;    // the shader runs for each sample; otherwise it decides itself (SampleId ...)
   bool alpha_to_coverage = false, alpha_to_one = false;
+  // Lines whose alpha is multiplied by the part of the pixel that they cover: waves are FragmentSampleWaves, with this part in
+  // 1/65535 in place of masks of samples, and all samples of a pixel are covered.
+  bool smooth_lines = false;
 };
 
 // A VkSamplerYcbcrConversion.
@@ -190,7 +193,9 @@ struct GraphicsKernels {
   KernelPtr fragment;         // never null: without a fragment shader it tests and writes depth
   uint32_t vertex_slots = 4;  // components per vertex record: 4 (position) + varyings + outputs
   VertexOutputs outputs;
-  bool early_depth = true;        // the test runs before the shader, so raster may reject by Hi-Z
+  bool early_depth = true;  // the test runs before the shader, so raster may reject by Hi-Z
+  // Of late tests: how the depth that is tested compares with the interpolated one, which the kernel makes sure of.
+  spirv::DepthMode late_depth = spirv::DepthMode::kAny;
   bool reads_color = false;       // some attachment's old value matters (blend or partial write mask)
   bool opaque = false;            // a fully covered block replaces every attachment's value, nothing can discard
   bool has_side_effects = false;  // storage writes: nothing may be left out

@@ -39,6 +39,9 @@ bool Executor::flush_packet() {
   packet_.vertex_slots = kernels_->vertex_slots;
   packet_.outputs = kernels_->outputs;
   packet_.early_depth = kernels_->early_depth;
+  packet_.late_depth = kernels_->late_depth == spirv::DepthMode::kGreater ? raster::LateDepth::kNotLess
+                       : kernels_->late_depth == spirv::DepthMode::kLess  ? raster::LateDepth::kNotGreater
+                                                                          : raster::LateDepth::kAny;
   packet_.opaque = kernels_->opaque;
   packet_.has_side_effects = kernels_->has_side_effects;
   packet_.per_sample = kernels_->per_sample;

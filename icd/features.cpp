@@ -68,7 +68,10 @@ constexpr VkPhysicalDeviceLineRasterizationFeaturesEXT kLineRasterization{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT,
     .rectangularLines = VK_TRUE,
     .bresenhamLines = VK_TRUE,
-    .stippledBresenhamLines = VK_TRUE};
+    .smoothLines = VK_TRUE,
+    .stippledRectangularLines = VK_TRUE,
+    .stippledBresenhamLines = VK_TRUE,
+    .stippledSmoothLines = VK_TRUE};
 constexpr VkPhysicalDeviceProvokingVertexFeaturesEXT kProvokingVertex{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_FEATURES_EXT, .provokingVertexLast = VK_TRUE};
 

@@ -54,13 +54,13 @@ VkResult translate_lines(const VkPipelineRasterizationLineStateCreateInfoEXT& in
     case VK_LINE_RASTERIZATION_MODE_BRESENHAM_EXT:
       out.line.mode = raster::LineMode::kBresenham;
       break;
+    case VK_LINE_RASTERIZATION_MODE_RECTANGULAR_SMOOTH_EXT:
+      out.line.mode = raster::LineMode::kSmooth;
+      break;
     default:
-      return not_supported("vkCreateGraphicsPipelines: smoothLines is not supported");
+      return not_supported("vkCreateGraphicsPipelines: this lineRasterizationMode is not supported");
   }
   out.line.stippled = info.stippledLineEnable;
-  if (out.line.stippled && out.line.mode != raster::LineMode::kBresenham) {
-    return not_supported("vkCreateGraphicsPipelines: stippledRectangularLines is not supported");
-  }
   out.values.stipple_factor = info.lineStippleFactor;
   out.values.stipple_pattern = info.lineStipplePattern;
   return VK_SUCCESS;
@@ -204,6 +204,7 @@ VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, Grap
   if (result == VK_SUCCESS) result = translate_input_assembly(*info.pInputAssemblyState, *out);
   if (result == VK_SUCCESS) result = translate_rasterization(*info.pRasterizationState, *out);
   if (result != VK_SUCCESS || info.pRasterizationState->rasterizerDiscardEnable) return result;
+  out->fragment.smooth_lines = out->line.mode == raster::LineMode::kSmooth && out->draws_lines();
   translate_viewport(*info.pViewportState, *out);
   result = translate_multisample(*info.pMultisampleState, subpass, *out);
   if (subpass.depth.format != VK_FORMAT_UNDEFINED) translate_depth(*info.pDepthStencilState, subpass, *out);

@@ -43,6 +43,19 @@ struct GraphicsState {
   bool depth_clip = true, depth_bias = false;
   VkFormat depth_stencil_format = VK_FORMAT_UNDEFINED;  // of the attachment
   bool rasterizes = true;                               // false: rasterizerDiscardEnable
+  bool draws_lines() const {
+    switch (topology) {
+      case VK_PRIMITIVE_TOPOLOGY_POINT_LIST:
+        return false;
+      case VK_PRIMITIVE_TOPOLOGY_LINE_LIST:
+      case VK_PRIMITIVE_TOPOLOGY_LINE_STRIP:
+      case VK_PRIMITIVE_TOPOLOGY_LINE_LIST_WITH_ADJACENCY:
+      case VK_PRIMITIVE_TOPOLOGY_LINE_STRIP_WITH_ADJACENCY:
+        return true;
+      default:
+        return polygon_mode == VK_POLYGON_MODE_LINE;
+    }
+  }
   bool draws_points() const { return topology == VK_PRIMITIVE_TOPOLOGY_POINT_LIST || polygon_mode == VK_POLYGON_MODE_POINT; }
 };
 

@@ -1,6 +1,7 @@
 #include "raster/binner.h"
 
 #include "raster/coverage_samples.h"
+#include "raster/edge_list.h"
 
 namespace pineda::raster {
 
@@ -23,7 +24,20 @@ inline void Binner::push(const Draw& draw, uint32_t tile, uint32_t index, bool c
 
 namespace {
 
-TileCover tile_cover(const TileGrid& grid, const Triangle& triangle, int32_t x_px, int32_t y_px) {
+// A smooth line covers the pixels that it touches at all: whether it can touch the tile.
+TileCover smooth_cover(const TileGrid& grid, const Triangle& line, int32_t x_px, int32_t y_px) {
+  const EdgeList edges(line);
+  const int64_t size_fx8 = int64_t{grid.tile_px} * kSubpixels;
+  for (int k = 0; k < edges.count; ++k) {
+    const EdgeList::Edge& e = edges.edge[k];
+    const int64_t x = int64_t{x_px} * kSubpixels - e.x0, y = int64_t{y_px} * kSubpixels - e.y0;
+    if (e.a * x + e.b * y + (std::max(e.a, 0) + int64_t{std::max(e.b, 0)}) * size_fx8 < 0) return TileCover::kNone;
+  }
+  return TileCover::kPartial;
+}
+
+TileCover tile_cover(const TileGrid& grid, const Draw& draw, const Triangle& triangle, int32_t x_px, int32_t y_px) {
+  if (draw.smooth) return smooth_cover(grid, triangle, x_px, y_px);
   if (grid.samples > 1) {
     SampleEdges edges;
     return make_sample_edges(triangle, x_px, y_px, grid.tile_px, grid.samples, edges);
@@ -44,7 +58,8 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
   }
   for (uint32_t y = y0; y <= y1; ++y) {
     for (uint32_t x = x0; x <= x1; ++x) {
-      const TileCover cover = tile_cover(*grid_, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
+      const TileCover cover =
+          tile_cover(*grid_, draw, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
       if (cover == TileCover::kNone) continue;
       const uint32_t tile = first_tile_ + y * grid_->columns + x;
       push(draw, tile, index, cover == TileCover::kFull && rect.contains(grid_->rect(tile)));

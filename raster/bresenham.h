@@ -14,6 +14,7 @@
 //   - the column whose centre it has just passed at b belongs to it unless b is still in the diamond.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 
@@ -37,6 +38,11 @@ inline bool in_diamond(int32_t major_fx8, int32_t minor_fx8, int32_t pixel, bool
   if (distance != kHalf) return distance < kHalf;
   // On the diamond's side: the larger part of the shift, -e along x, points inside where x > xc.
   return (major_is_y ? across : along) > 0;
+}
+
+// "The actual width w of Bresenham lines is determined by rounding the line width to the nearest integer ..."
+inline int32_t bresenham_width(float width_px) {
+  return width_px < kMaxLineWidth ? std::max(1, static_cast<int32_t>(width_px + 0.5f)) : static_cast<int32_t>(kMaxLineWidth);
 }
 
 inline PixelLine pixel_line(int32_t ax_fx8, int32_t ay_fx8, int32_t bx_fx8, int32_t by_fx8) {

@@ -66,7 +66,8 @@ inline void GeometryWorker::emit(const Draw& draw, const BatchView& view, uint32
 }
 
 void GeometryWorker::bin(const Draw& draw, const BatchView& view, const Triangle& record) {
-  const Rect bounds = intersect(draw.samples > 1 ? touched_rect(record) : pixel_rect(record), draw.rect_at(view.viewport));
+  const Rect box = draw.samples > 1 || draw.smooth ? touched_rect(record) : pixel_rect(record);
+  const Rect bounds = intersect(box, draw.rect_at(view.viewport));
   if (bounds.empty()) {
     ++statistics.triangles_culled;
     return;
@@ -286,11 +287,11 @@ void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint6
   const uint32_t vertex_count = vertices_of(draw.kind), cull_codes = cull_distance_codes(draw.packet.outputs);
   // Points are never clipped: outside of one plane is outside.
   const uint32_t never = kClipDrop | (draw.kind == PrimitiveKind::kPoint ? 0xFFFF & ~cull_codes : 0);
-  if (draw.in_order) stipple_count_ = draw.stipple_count;
+  if (draw.in_order) stipple_position_ = draw.stipple_position;
   for (uint32_t i = begin; i < begin + count; ++i) {
     const auto primitive_id = static_cast<uint32_t>((first + i) % draw.prims_per_instance);
     const bool begins = draw.restart_prims.empty() ? primitive_id == 0 : draw.restart_prims[primitive_id].begins;
-    if (!draw.in_order || begins) stipple_count_ = 0;
+    if (!draw.in_order || begins) stipple_position_ = 0;
     std::array<uint16_t, 3> v = batch_.prim(i);
     for (uint32_t k = vertex_count; k < 3; ++k) v[k] = v[0];
     const uint32_t any = code[v[0]] | code[v[1]] | code[v[2]];
@@ -303,7 +304,7 @@ void GeometryWorker::run_outlines(const Draw& draw, const BatchView& view, uint6
       clip(draw, view, primitive_id, v);
     }
   }
-  if (draw.in_order) draw.stipple_count = stipple_count_;
+  if (draw.in_order) draw.stipple_position = stipple_position_;
 }
 
 void GeometryWorker::run_primitives(const Draw& draw, const BatchView& view, uint64_t first, uint32_t begin, uint32_t count) {

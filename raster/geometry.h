@@ -77,6 +77,9 @@ class GeometryWorker {
 
   // line_setup.cpp
   void setup_line(const Draw& draw, const BatchView& view, uint16_t a, uint16_t b, const Outline& outline);
+  void bin_pixel_line(const Draw& draw, const BatchView& view, Triangle& record, const Outline& outline);
+  void bin_rectangle(const Draw& draw, const BatchView& view, Triangle& record, const Outline& outline);
+  double advance_stipple(const Draw& draw, double length_px);
   void setup_point(const Draw& draw, const BatchView& view, uint16_t v, const Outline& outline);
 
   Chunk* chunk_ = nullptr;
@@ -86,7 +89,7 @@ class GeometryWorker {
   VertexBatch batch_;
   Clipper clipper_;
   ThreadContext context_{};
-  uint32_t stipple_count_ = 0;
+  double stipple_position_ = 0;  // px
   // Clipped triangles keep their vertices in batches of their own, filled bit by bit.
   static constexpr uint32_t kClipBatchVertices = 512;
   const Draw* clip_draw_ = nullptr;

@@ -159,11 +159,12 @@ struct DrawCounters {
 
 struct Draw {
   DrawPacket packet;
-  // Stippled line strips count their pixels from primitive to primitive, so one thread does all of such a draw, and the count is
-  // here.
+  // Stippled line strips count their pixels from primitive to primitive, so one thread does all of such a draw, and where the
+  // pattern stands is here.
   bool in_order = false;
-  mutable uint32_t stipple_count = 0;
-  DrawCounters* counters = nullptr;  // null: nobody asked
+  mutable double stipple_position = 0;
+  bool stipples = false, smooth = false;  // its records are lines with a stipple; smooth ones
+  DrawCounters* counters = nullptr;       // null: nobody asked
   PrimitiveKind kind = PrimitiveKind::kTriangle;
   ViewportTransform viewport;
   Rect rect;                                 // pixels that may be drawn: scissor, render area, framebuffer
@@ -214,7 +215,7 @@ enum class Shape : uint8_t {
 // vertex). Planes and edges are formed from it in the tiles that really draw it.
 struct alignas(64) Triangle {
   int32_t x_fx8[3], y_fx8[3];
-  float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without. A pixel line has its stipple's start in dz2
+  float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without. A stippled line has its stipple's start in dz2
   float iw[3];         // 1 / w
   uint32_t primitive_id;
   uint32_t batch;                // in the chunk
@@ -225,7 +226,8 @@ struct alignas(64) Triangle {
     provoking_and_flags = static_cast<uint16_t>(provoking | (front ? kFront : 0) | (clockwise ? kClockwise : 0) |
                                                 static_cast<uint32_t>(shape) << kShapeBit);
   }
-  // Of pixel lines, where l2 is 0: the stipple counter of the first pixel, below 2^12 (as a float next to 0, and harmless).
+  // Of stippled lines: where in the pattern they begin, below 2^12: a pixel line's counter, where l2 is 0 (as a float next to 0,
+  // and harmless); a rectangle's distance, as the bits of a float, px.
   uint32_t stipple_start() const { return std::bit_cast<uint32_t>(dz2); }
   Shape shape() const { return static_cast<Shape>(provoking_and_flags >> kShapeBit & 3); }
 };

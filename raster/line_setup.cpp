@@ -64,6 +64,11 @@ void GeometryWorker::setup_line(const Draw& draw, const BatchView& view, uint16_
     return;
   }
   Triangle t;
+  const int32_t xs[3] = {ax, bx, ax}, ys[3] = {ay, by, ay};
+  for (int k = 0; k < 3; ++k) {
+    t.x_fx8[k] = xs[k];
+    t.y_fx8[k] = ys[k];
+  }
   t.z0 = w.z[a] + outline.depth_bias;
   t.dz1 = w.z[b] - w.z[a];
   t.dz2 = 0;
@@ -74,31 +79,58 @@ void GeometryWorker::setup_line(const Draw& draw, const BatchView& view, uint16_
   t.primitive_id = outline.primitive_id;
   t.batch = view.batch;
   if (draw.packet.line.mode == LineMode::kBresenham) {
-    const PixelLine line = pixel_line(ax, ay, bx, by);
-    const int32_t xs[3] = {ax, bx, line.first}, ys[3] = {ay, by, line.end};
-    for (int k = 0; k < 3; ++k) {
-      t.x_fx8[k] = xs[k];
-      t.y_fx8[k] = ys[k];
-    }
-    t.set_flags(outline.provoking, outline.front, false, line.shape);
-    if (draw.packet.line.stippled) {  // the counter goes on after each pixel; the pattern repeats after 16 * factor
-      t.dz2 = std::bit_cast<float>(stipple_count_);
-      const auto pixels = static_cast<uint32_t>(std::max(0, line.end - line.first));
-      stipple_count_ = (stipple_count_ + pixels) % (16 * draw.packet.line.stipple_factor);
-    }
+    bin_pixel_line(draw, view, t, outline);
   } else {
-    // Half the width to both sides. The same offset at both ends keeps the sides parallel to the line, so that l1 is exactly the
-    // position along it but for the rounding of this vector.
-    const double half = double{draw.packet.line.width_px} * (kSubpixels / 2);
-    const double scale = half / std::sqrt(double{dx * 1.0} * dx + double{dy * 1.0} * dy);
-    const int32_t hx = round_to_int(-dy * scale), hy = round_to_int(dx * scale);
-    const int32_t xs[3] = {ax - hx, bx - hx, ax + hx}, ys[3] = {ay - hy, by - hy, ay + hy};
-    for (int k = 0; k < 3; ++k) {
-      t.x_fx8[k] = xs[k];
-      t.y_fx8[k] = ys[k];
-    }
-    t.set_flags(outline.provoking, outline.front, true, Shape::kParallelogram);
+    bin_rectangle(draw, view, t, outline);
   }
+}
+
+// Where in the pattern a line of this length begins; what follows it in its strip begins behind it.
+double GeometryWorker::advance_stipple(const Draw& draw, double length_px) {
+  const double begin = stipple_position_, period = 16.0 * draw.packet.line.stipple_factor, end = begin + length_px;
+  stipple_position_ = std::max(0.0, end - period * std::floor(end / period));
+  return begin;
+}
+
+// A Bresenham line: one record for each row (column) of its width. "Bresenham line segments of width other than one are
+// rasterized by offsetting them in the minor direction ... and producing a row or column of fragments in the minor direction."
+void GeometryWorker::bin_pixel_line(const Draw& draw, const BatchView& view, Triangle& t, const Outline& outline) {
+  const int32_t ax = t.x_fx8[0], ay = t.y_fx8[0], bx = t.x_fx8[1], by = t.y_fx8[1];
+  const bool y_major = std::abs(bx - ax) < std::abs(by - ay);
+  const int32_t width = bresenham_width(draw.packet.line.width_px), offset = -(width - 1) * (kSubpixels / 2);
+  const int32_t x_offset = y_major ? offset : 0, y_offset = y_major ? 0 : offset;
+  const PixelLine line = pixel_line(ax + x_offset, ay + y_offset, bx + x_offset, by + y_offset);
+  t.set_flags(outline.provoking, outline.front, false, line.shape);
+  t.x_fx8[2] = line.first;
+  t.y_fx8[2] = line.end;
+  if (draw.stipples) {
+    const auto count = static_cast<uint32_t>(advance_stipple(draw, std::max(0, line.end - line.first)));
+    t.dz2 = std::bit_cast<float>(count);
+  }
+  for (int32_t i = 0; i < width; ++i) {
+    const int32_t along_minor = i * kSubpixels;
+    t.x_fx8[0] = ax + x_offset + (y_major ? along_minor : 0);
+    t.x_fx8[1] = bx + x_offset + (y_major ? along_minor : 0);
+    t.y_fx8[0] = ay + y_offset + (y_major ? 0 : along_minor);
+    t.y_fx8[1] = by + y_offset + (y_major ? 0 : along_minor);
+    bin(draw, view, t);
+  }
+}
+
+// Half the width to both sides. The same offset at both ends keeps the sides parallel to the line, so that l1 is exactly the
+// position along it but for the rounding of this vector.
+void GeometryWorker::bin_rectangle(const Draw& draw, const BatchView& view, Triangle& t, const Outline& outline) {
+  const int32_t ax = t.x_fx8[0], ay = t.y_fx8[0], bx = t.x_fx8[1], by = t.y_fx8[1];
+  const double dx = bx - ax, dy = by - ay, length_fx8 = std::sqrt(dx * dx + dy * dy);
+  const double scale = double{draw.packet.line.width_px} * (kSubpixels / 2) / length_fx8;
+  const int32_t hx = round_to_int(-dy * scale), hy = round_to_int(dx * scale);
+  const int32_t xs[3] = {ax - hx, bx - hx, ax + hx}, ys[3] = {ay - hy, by - hy, ay + hy};
+  for (int k = 0; k < 3; ++k) {
+    t.x_fx8[k] = xs[k];
+    t.y_fx8[k] = ys[k];
+  }
+  if (draw.stipples) t.dz2 = static_cast<float>(advance_stipple(draw, length_fx8 / kSubpixels));
+  t.set_flags(outline.provoking, outline.front, true, Shape::kParallelogram);
   bin(draw, view, t);
 }
 

@@ -5,6 +5,7 @@
 #include "base/format.h"
 #include "base/log.h"
 #include "raster/assemble.h"
+#include "raster/bresenham.h"
 #include "raster/pass_state.h"
 #include "raster/raster.h"
 
@@ -71,14 +72,17 @@ uint32_t choose_tile_px(const Options& options, uint32_t bytes_per_px, const Rec
 
 HiZMode hi_z_mode(const DrawPacket& packet) {
   // What a rejected fragment would have done to the stencil buffer must be done.
-  if (!packet.depth_test || !packet.early_depth || (packet.stencil_test && packet.stencil_write)) return HiZMode::kNone;
+  if (!packet.depth_test || (packet.stencil_test && packet.stencil_write)) return HiZMode::kNone;
+  // After the shader: only where what fails before it must fail, and nothing but the fragment is lost.
+  if (!packet.early_depth && packet.has_side_effects) return HiZMode::kNone;
+  const auto rejects = [&](LateDepth needed) { return packet.early_depth || packet.late_depth == needed; };
   switch (packet.depth_compare) {
     case VK_COMPARE_OP_LESS:
     case VK_COMPARE_OP_LESS_OR_EQUAL:
-      return HiZMode::kLess;
+      return rejects(LateDepth::kNotLess) ? HiZMode::kLess : HiZMode::kNone;
     case VK_COMPARE_OP_GREATER:
     case VK_COMPARE_OP_GREATER_OR_EQUAL:
-      return HiZMode::kGreater;
+      return rejects(LateDepth::kNotGreater) ? HiZMode::kGreater : HiZMode::kNone;
     default:
       return HiZMode::kNone;
   }
@@ -121,9 +125,15 @@ void Pass::State::record(const DrawPacket& packet) {
   // Points are discarded by their centre and not cut.
   const bool points = topology.kind == PrimitiveKind::kPoint ||
                       (topology.kind == PrimitiveKind::kTriangle && packet.polygon_mode == VK_POLYGON_MODE_POINT);
+  // Wide lines are clipped to the view volume by their ends and may reach beyond it by their width.
+  const LineState& line = packet.line;
+  const bool wide =
+      topology.kind == PrimitiveKind::kLine && (line.mode != LineMode::kBresenham || bresenham_width(line.width_px) > 1);
+  const bool draws_lines = topology.kind == PrimitiveKind::kLine ||
+                           (topology.kind == PrimitiveKind::kTriangle && packet.polygon_mode == VK_POLYGON_MODE_LINE);
   const auto drawable = [&](const VkViewport& viewport, const VkRect2D& scissor) {
     const Rect r = intersect(to_rect(scissor), scene.grid.area);
-    return points ? r : intersect(r, viewport_rect(viewport));
+    return points || wide ? r : intersect(r, viewport_rect(viewport));
   };
   const Rect rect = drawable(packet.viewport, packet.scissor);
   uint64_t vertices = packet.count;
@@ -141,7 +151,9 @@ void Pass::State::record(const DrawPacket& packet) {
   draw.packet = packet;
   draw.packet.count = static_cast<uint32_t>(vertices);
   draw.kind = topology.kind;
-  draw.in_order = packet.line.stippled && topology.kind == PrimitiveKind::kLine && !topology.is_list;
+  draw.stipples = line.stippled && draws_lines;
+  draw.smooth = line.mode == LineMode::kSmooth && draws_lines;
+  draw.in_order = line.stippled && topology.kind == PrimitiveKind::kLine && !topology.is_list;
   if (scene.options.per_draw) draw.counters = &counters.emplace_back();
   if (packet.primitive_restart && packet.index.address) {
     draw.restart_prims = restart_primitives(draw.packet);
@@ -149,11 +161,19 @@ void Pass::State::record(const DrawPacket& packet) {
   } else {
     draw.prims_per_instance = primitive_count(topology, vertices);
   }
-  draw.viewport = make_viewport_transform(packet.viewport, packet.depth_clip);
+  const auto transform = [&](const VkViewport& viewport) {
+    ViewportTransform t = make_viewport_transform(viewport, packet.depth_clip);
+    if (wide) {  // no guard band
+      t.guard_x_min = t.guard_y_min = -1;
+      t.guard_x_max = t.guard_y_max = 1;
+    }
+    return t;
+  };
+  draw.viewport = transform(packet.viewport);
   draw.rect = rect;
   if (packet.viewports && packet.outputs.viewport_index != 0) {
     for (uint32_t i = 0; i < std::min(packet.viewports->count, kMaxViewports); ++i) {
-      draw.viewports.push_back(make_viewport_transform(packet.viewports->viewport[i], packet.depth_clip));
+      draw.viewports.push_back(transform(packet.viewports->viewport[i]));
       draw.rects.push_back(drawable(packet.viewports->viewport[i], packet.viewports->scissor[i]));
     }
   }

@@ -79,13 +79,17 @@ struct LineState {
   float width_px = 1;
 };
 
+// Of a test that runs after the shader: the depth that is tested, compared with the interpolated one.
+enum class LateDepth : uint8_t { kAny, kNotLess, kNotGreater };
+
 struct DrawPacket {
   // kernels
   KernelHandle vertex, fragment;
   uint32_t vertex_slots = 4;  // GraphicsKernels::vertex_slots
   VertexOutputs outputs;      // likewise
   bool early_depth = false, opaque = false, has_side_effects = false, per_sample = false;
-  const DrawContext* context = nullptr;  // must live until Pass::end returns
+  LateDepth late_depth = LateDepth::kAny;  // without early_depth
+  const DrawContext* context = nullptr;    // must live until Pass::end returns
   // input assembly
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   bool primitive_restart = false;

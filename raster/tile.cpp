@@ -3,6 +3,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "raster/line_area.h"
+
 namespace pineda::raster {
 namespace {
 
@@ -136,7 +138,7 @@ void TileWorker::draw_list(const Scene& scene, const TileState& state) {
       }
       if (batch.draw->is_clear) [[unlikely]] {
         clear_rect(scene, *batch.draw, *item.triangle);
-      } else if (scene.samples() > 1) {
+      } else if (scene.samples() > 1 || batch.draw->smooth) {
         draw_triangle<FragmentSampleWave>(i % kLanes, *item.triangle, batch, item.covers);
       } else {
         draw_triangle<FragmentWave>(i % kLanes, *item.triangle, batch, item.covers);
@@ -165,6 +167,7 @@ void TileWorker::begin_draw(const Draw& draw, uint32_t viewport) {
   const Rect r = intersect(rect, tile);
   draw_rect_ = {r.x0 - tile.x0, r.y0 - tile.y0, r.x1 - tile.x0, r.y1 - tile.y0};
   if (hi_z_on_) hi_z_.begin_draw(draw);
+  if (draw.smooth && sample_waves_.empty()) sample_waves_.append(std::size(waves_));
   wave_limit_ = hi_z_on_ && draw.hi_z != HiZMode::kNone && draw.writes_depth ? kEagerWaves : kMaxWaves;
 }
 
@@ -235,7 +238,11 @@ uint32_t TileWorker::find_blocks(const Triangle& t, bool covers) {
   const Rect r =
       intersect({box.x0 - position_.x_px, box.y0 - position_.y_px, box.x1 - position_.x_px, box.y1 - position_.y_px}, draw_rect_);
   if (r.empty()) return 0;
+  if constexpr (std::is_same_v<Wave, FragmentSampleWave>) {
+    if (draw_->smooth) return cover_smooth(t, r, out);
+  }
   uint32_t count = cover(t, covers, r, out);
+  if (draw_->stipples && t.shape() == Shape::kParallelogram) count = cut_by_stipple_length(t, count, out);
   if (t.shape() >= Shape::kPixelLineX) {  // its ends, and what the stipple leaves
     count = cut_to_rect<Wave>(r, count);
     return draw_->packet.line.stippled ? cut_by_stipple<Wave>(t, count) : count;
@@ -279,6 +286,72 @@ uint32_t TileWorker::cut_by_stipple(const Triangle& line, uint32_t count) {
     kept += header(wave).coverage != 0;
   }
   return kept;
+}
+
+uint32_t TileWorker::cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentWave* waves) {
+  const LineStipple stipple(line, draw_->packet.line);
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    FragmentWave wave = waves[i];
+    for (uint32_t left = wave.coverage; left != 0; left &= left - 1) {
+      const auto lane = static_cast<uint32_t>(__builtin_ctz(left));
+      const auto x = static_cast<int32_t>(wave.x_px + morton_x(lane)), y = static_cast<int32_t>(wave.y_px + morton_y(lane));
+      if (!stipple.draws(x * kSubpixels + kSubpixels / 2, y * kSubpixels + kSubpixels / 2)) wave.coverage &= ~(1u << lane);
+    }
+    waves[kept] = wave;
+    kept += wave.coverage != 0;
+  }
+  return kept;
+}
+
+// Each sample where it lies.
+uint32_t TileWorker::cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentSampleWave* waves) {
+  const LineStipple stipple(line, draw_->packet.line);
+  const SampleLocation* const locations = sample_locations(scene_->samples());
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    FragmentSampleWave wave = waves[i];
+    for (uint32_t left = wave.wave.coverage; left != 0; left &= left - 1) {
+      const auto lane = static_cast<uint32_t>(__builtin_ctz(left));
+      const auto x = static_cast<int32_t>(wave.wave.x_px + morton_x(lane)),
+                 y = static_cast<int32_t>(wave.wave.y_px + morton_y(lane));
+      for (uint32_t s = 0; s < scene_->samples(); ++s) {
+        constexpr int32_t kPerSixteenth = kSubpixels / 16;
+        const bool draws =
+            stipple.draws(x * kSubpixels + locations[s].x * kPerSixteenth, y * kSubpixels + locations[s].y * kPerSixteenth);
+        if (!draws) wave.samples[lane] &= static_cast<uint16_t>(~(1u << s));
+      }
+      if (wave.samples[lane] == 0) wave.wave.coverage &= ~(1u << lane);
+    }
+    waves[kept] = wave;
+    kept += wave.wave.coverage != 0;
+  }
+  return kept;
+}
+
+// Of a smooth line every pixel that it touches, with the area in place of a mask of samples.
+uint32_t TileWorker::cover_smooth(const Triangle& line, const Rect& box_px, FragmentSampleWave* out) {
+  const LineArea area(line, draw_->packet.line, draw_->stipples);
+  const BlockRange range = block_range(box_px);
+  const auto blocks = static_cast<uint32_t>(position_.size_px * position_.size_px) / kLanes;
+  uint32_t count = 0;
+  for (uint32_t block = 0; block < blocks; ++block) {
+    const uint32_t column = morton_x(block), row = morton_y(block);
+    if (column < range.x0 || column >= range.x1 || row < range.y0 || row >= range.y1) continue;
+    const auto x = static_cast<int32_t>(column * kBlockDim), y = static_cast<int32_t>(row * kBlockDim);
+    if (area.misses(position_.x_px + x, position_.y_px + y, kBlockDim)) continue;
+    FragmentSampleWave& wave = out[count];
+    wave.wave = {0xFFFF, 0, static_cast<uint16_t>(position_.x_px + x), static_cast<uint16_t>(position_.y_px + y), block};
+    const uint32_t lanes = rect_lanes(box_px, x, y);
+    for (uint32_t lane = 0; lane < kLanes; ++lane) {
+      const auto lane_x = static_cast<int32_t>(morton_x(lane)), lane_y = static_cast<int32_t>(morton_y(lane));
+      const uint32_t part = lanes >> lane & 1 ? area.pixel(position_.x_px + x + lane_x, position_.y_px + y + lane_y) : 0;
+      wave.samples[lane] = static_cast<uint16_t>(part);
+      wave.wave.coverage |= static_cast<uint32_t>(part != 0) << lane;
+    }
+    count += wave.wave.coverage != 0;
+  }
+  return count;
 }
 
 // Calls each(macro, blocks, first, end) for runs of the new waves in one macro block.
@@ -378,7 +451,9 @@ void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch
     fill_planes(triangle, prim);
   }
   fill_prim(triangle, batch, prim);
-  if (wants_hi_z(count) && triangle.shape() < Shape::kPixelLineX) {  // whose depths go on past their ends
+  if (draw_->stipples) prim.dz2 = 0;
+  // The depths of pixel lines and smooth ones go on past their ends.
+  if (wants_hi_z(count) && triangle.shape() < Shape::kPixelLineX && !draw_->smooth) {
     count = reject_hidden<Wave>(count, prim);
     if (count == 0) return;
   }
@@ -394,7 +469,7 @@ void TileWorker::flush() {
   if (prim_count_ == 0) return;
   const DrawPacket& packet = draw_->packet;
   ThreadContext& context = attachments_.context();
-  if (scene_->samples() == 1) {
+  if (scene_->samples() == 1 && !draw_->smooth) {
     for (uint32_t i = 0; i < wave_count_; ++i)
       statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(waves_[i].coverage));
     packet.fragment(packet.context, &context, records_, prim_count_, waves_);
@@ -402,6 +477,8 @@ void TileWorker::flush() {
     for (uint32_t i = 0; i < wave_count_; ++i)
       statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(sample_waves_[i].wave.coverage));
     packet.fragment(packet.context, &context, records_, prim_count_, sample_waves_.data());
+  } else if (draw_->smooth) {
+    flush_smooth_samples();
   } else {
     flush_samples();
   }
@@ -439,6 +516,29 @@ void TileWorker::flush_samples() {
     record.wave_count = static_cast<uint32_t>(expanded_.size()) - first;
   }
   draw_->packet.fragment(draw_->packet.context, &attachments_.context(), records_, prim_count_, expanded_.data());
+}
+
+// The same for smooth lines, which cover all samples of the pixels that they touch.
+void TileWorker::flush_smooth_samples() {
+  const uint32_t samples = scene_->samples();
+  expanded_smooth_.clear();
+  for (uint32_t p = 0; p < prim_count_; ++p) {
+    PrimRecord& record = records_[p];
+    const auto first = static_cast<uint32_t>(expanded_smooth_.size());
+    for (uint32_t w = record.first_wave; w < record.first_wave + record.wave_count; ++w) {
+      FragmentSampleWave wave = sample_waves_[w];
+      const uint32_t block = wave.wave.block_index;
+      attachments_.separate_samples(*scene_, block);
+      for (uint32_t s = 0; s < samples; ++s) {
+        wave.wave.block_index = block * samples + s;
+        expanded_smooth_.push_back(wave);
+        statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(wave.wave.coverage));
+      }
+    }
+    record.first_wave = first;
+    record.wave_count = static_cast<uint32_t>(expanded_smooth_.size()) - first;
+  }
+  draw_->packet.fragment(draw_->packet.context, &attachments_.context(), records_, prim_count_, expanded_smooth_.data());
 }
 
 }  // namespace pineda::raster

@@ -43,6 +43,7 @@ class TileWorker {
   bool wants_hi_z(uint32_t count);
   void flush();
   void flush_samples();
+  void flush_smooth_samples();
   // Wave: FragmentWave, or FragmentSampleWave with several samples a pixel.
   template <class Wave>
   void draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers);
@@ -55,6 +56,9 @@ class TileWorker {
   uint32_t find_blocks(const Triangle& triangle, bool covers);
   template <class Wave>
   uint32_t cut_by_stipple(const Triangle& line, uint32_t count);
+  uint32_t cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentWave* waves);
+  uint32_t cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentSampleWave* waves);
+  uint32_t cover_smooth(const Triangle& line, const Rect& box_px, FragmentSampleWave* out);
   template <class Wave>
   uint32_t cut_to_rect(const Rect& rect, uint32_t count);
   template <class Wave>
@@ -84,6 +88,7 @@ class TileWorker {
   FragmentWave waves_[kMaxWaves + kMaxTileBlocks + 1];
   PodBuffer<FragmentSampleWave> sample_waves_;  // instead of them with several samples a pixel
   PodBuffer<FragmentWave> expanded_;            // for kernels that run for each sample
+  PodBuffer<FragmentSampleWave> expanded_smooth_;
   uint32_t item_count_ = 0;
   Item items_[kMaxItems];
   SmallGroup group_;  // of the 16 items at hand

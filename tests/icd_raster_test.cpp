@@ -1,5 +1,7 @@
 // Extensions and features of drawing, through the API: counts in buffers, exported stencil references, resolves of depth and
 // stencil, queries that secondary command buffers inherit, numbers of samples that vary in a subpass.
+#include <algorithm>
+
 #include "icd_raster_client.h"
 
 namespace pineda::test {
@@ -215,6 +217,129 @@ TEST(IcdRaster, SampleCountsVaryInASubpassWithoutAttachments) {
   uint64_t samples[3] = {};
   EXPECT_EQ(VK(client, GetQueryPoolResults)(client.device, pool, 0, 3, 24, samples, 8, VK_QUERY_RESULT_64_BIT), VK_SUCCESS);
   for (uint32_t i = 0; i < 3; ++i) EXPECT_EQ(samples[i], 256u * kCounts[i]);
+}
+
+// ---- conservative depth -----------------------------------------------------------------------------------------------------
+
+// A shader that moves depths by the push constant's w, away from the viewer or towards it, and promises which. Whatever early
+// tests make of the promise, what is stored is as if there were none; a shader that breaks its promise is held to it.
+TEST(IcdRaster, ConservativeDepthChangesNoBit) {
+  for (const bool greater : {true, false}) {
+    const std::span<const uint32_t> promises = greater ? std::span<const uint32_t>(kDepthGreaterFragment) : kDepthLessFragment;
+    for (const VkCompareOp op :
+         {VK_COMPARE_OP_LESS, VK_COMPARE_OP_LESS_OR_EQUAL, VK_COMPARE_OP_GREATER, VK_COMPARE_OP_GREATER_OR_EQUAL}) {
+      for (const float step : {0.125f, 0.0f, -0.125f}) {  // the last one breaks the promise
+        for (const float stored : {0.25f, 0.5f, 0.5625f, 0.75f}) {
+          RasterClient client({.width = 40, .height = 24, .depth = VK_FORMAT_D32_SFLOAT}, {kRenderPass2});
+          client.set_cover();
+          client.clear.depthStencil.depth = stored;
+          const VkPipeline pipeline = client.pipeline({.depth_compare = op}, kColorVertex, promises);
+          client.run([&](VkCommandBuffer cb) {
+            client.begin(cb);
+            client.bind(cb, pipeline, {1, 1, 1, step});
+            VK(client, CmdDraw)(cb, 3, 1, 0, 0);
+            client.end(cb);
+            client.download(cb, client.depth, VK_IMAGE_ASPECT_DEPTH_BIT);
+          });
+          const float moved = 0.5f + (greater ? 1.0f : -1.0f) * std::max(step, 0.0f);
+          const bool less = op == VK_COMPARE_OP_LESS || op == VK_COMPARE_OP_LESS_OR_EQUAL;
+          const bool equal = op == VK_COMPARE_OP_LESS_OR_EQUAL || op == VK_COMPARE_OP_GREATER_OR_EQUAL;
+          const bool passes = moved == stored ? equal : (moved < stored) == less;
+          for (uint32_t y = 0; y < 24; ++y) {
+            for (uint32_t x = 0; x < 40; ++x)
+              ASSERT_EQ(client.at<float>(x, y), passes ? moved : stored)
+                  << "op " << op << " step " << step << " stored " << stored;
+          }
+        }
+      }
+    }
+  }
+}
+
+// ---- depth bias -------------------------------------------------------------------------------------------------------------
+
+// The constant factor counts steps of the format; the clamp stops it.
+TEST(IcdRaster, DepthBiasOfEveryFormat) {
+  struct Format {
+    VkFormat format;
+    double resolvable;  // at depth 0.5
+  };
+  for (const Format& f : {Format{VK_FORMAT_D16_UNORM, 0x1p-16}, Format{VK_FORMAT_X8_D24_UNORM_PACK32, 0x1p-24},
+                          Format{VK_FORMAT_D24_UNORM_S8_UINT, 0x1p-24}, Format{VK_FORMAT_D32_SFLOAT, 0x1p-24}}) {
+    for (const float clamp : {0.0f, 0.001f, -0.001f}) {
+      for (const float constant : {256.0f, -256.0f, 70000.0f}) {
+        RasterClient client({.depth = f.format}, {kRenderPass2});
+        client.set_cover();
+        client.clear.depthStencil.depth = 0.125f;
+        const VkPipeline pipeline =
+            client.pipeline({.depth_bias = constant, .depth_bias_clamp = clamp, .depth_compare = VK_COMPARE_OP_ALWAYS},
+                            kColorVertex, kColorFragment);
+        client.run([&](VkCommandBuffer cb) {
+          client.begin(cb);
+          client.bind(cb, pipeline);
+          VK(client, CmdDraw)(cb, 3, 1, 0, 0);
+          client.end(cb);
+          client.download(cb, client.depth, VK_IMAGE_ASPECT_DEPTH_BIT);
+        });
+        double bias = f.resolvable * constant;
+        if (clamp > 0) bias = std::min(bias, double{clamp});
+        if (clamp < 0) bias = std::max(bias, double{clamp});
+        const double want = std::clamp(0.5 + bias, 0.0, 1.0);
+        const double got = f.format == VK_FORMAT_D16_UNORM    ? client.at<uint16_t>(3, 3) / 65535.0
+                           : f.format == VK_FORMAT_D32_SFLOAT ? double{client.at<float>(3, 3)}
+                                                              : (client.at(3, 3) & 0xFFFFFF) / 16777215.0;
+        // Half a step of the format, and the roundings of binary32 at 0.5.
+        EXPECT_NEAR(got, want, f.format == VK_FORMAT_D16_UNORM ? 0.51 / 65535 : 0x1p-23)
+            << "format " << f.format << " " << constant;
+      }
+    }
+  }
+}
+
+// ---- lines ------------------------------------------------------------------------------------------------------------------
+
+// A horizontal smooth line whose sides cut pixels at known parts: alpha times the part, blended over black. With several samples
+// all of them have the same.
+TEST(IcdRaster, SmoothLinesMultiplyAlphaByTheirArea) {
+  VkPhysicalDeviceLineRasterizationFeaturesEXT lines{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT};
+  lines.smoothLines = lines.stippledSmoothLines = lines.stippledRectangularLines = VK_TRUE;
+  for (const uint32_t samples : {1u, 4u}) {
+    for (const bool stippled : {false, true}) {
+      RasterClient client({.samples = samples, .resolves = samples > 1}, {kRenderPass2, VK_EXT_LINE_RASTERIZATION_EXTENSION_NAME},
+                          &lines);
+      VkPipelineRasterizationLineStateCreateInfoEXT line{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_LINE_STATE_CREATE_INFO_EXT};
+      line.lineRasterizationMode = VK_LINE_RASTERIZATION_MODE_RECTANGULAR_SMOOTH_EXT;
+      line.stippledLineEnable = stippled;
+      line.lineStippleFactor = 2;
+      line.lineStipplePattern = 0x5555;
+      client.set_vertices({{2.5f, 6.25f, 0, 0}, {12.25f, 6.25f, 0, 0}});  // 2 px wide: y from 5.25 to 7.25
+      const VkPipeline pipeline = client.pipeline(
+          {.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST, .rasterization_next = &line, .line_width = 2, .blend_over = true},
+          kColorVertex, kColorFragment);
+      client.run([&](VkCommandBuffer cb) {
+        client.begin(cb);
+        client.bind(cb, pipeline, {1, 0, 0, 0.75f});
+        VK(client, CmdDraw)(cb, 2, 1, 0, 0);
+        client.end(cb);
+        client.download(cb, samples > 1 ? client.resolved : client.color);
+      });
+      for (uint32_t y = 0; y < 16; ++y) {
+        for (uint32_t x = 0; x < 16; ++x) {
+          const auto overlap = [](double a0, double a1, double b0, double b1) {
+            return std::max(0.0, std::min(a1, b1) - std::max(a0, b0));
+          };
+          double along = overlap(x, x + 1, 2.5, 12.25);
+          if (stippled) {  // two units drawn, two left out
+            along = 0;
+            for (int u = 0; u < 10; u += 4) along += overlap(x, x + 1, 2.5 + u, std::min(2.5 + u + 2, 12.25));
+          }
+          const double want = 255 * 0.75 * along * overlap(y, y + 1, 5.25, 7.25);
+          // Half a step of UNORM8 and the area's own rounding.
+          ASSERT_NEAR(client.at(x, y) & 0xFF, want, 0.51) << x << ' ' << y << " samples " << samples << " stippled " << stippled;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

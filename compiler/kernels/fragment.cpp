@@ -50,7 +50,7 @@ class FragmentBuilder {
       : source_(source), state_(source.state), shader_(shader), out_(out), b_(out.ir), position_(b_) {
     out.per_sample = runs_per_sample(state_, shader);
     by_pixel_ = state_.samples > 1 && !out.per_sample;
-    out.ir.wave_stride_bytes = by_pixel_ ? sizeof(FragmentSampleWave) : sizeof(FragmentWave);
+    out.ir.wave_stride_bytes = by_pixel_ || state_.smooth_lines ? sizeof(FragmentSampleWave) : sizeof(FragmentWave);
     block_index_ = b_.load(Type::kI32, b_.wave_ptr(), offsetof(FragmentWave, block_index), kFixed);
     begin_coverage();
     loses_lanes_ = state_.alpha_to_coverage ||
@@ -62,12 +62,16 @@ class FragmentBuilder {
   Result<void> build() {
     const bool forced_early = shader_ && shader_->info.early_fragment_tests;
     const bool needs_outputs =
-        shader_ && (shader_->info.writes_depth || shader_->info.writes_memory ||
-                    declares(shader_->info.outputs, BuiltIn::kFragStencilRef) || (state_.stencil.writes() && loses_lanes_));
+        shader_ && (exports_depth() || shader_->info.writes_memory || declares(shader_->info.outputs, BuiltIn::kFragStencilRef) ||
+                    (state_.stencil.writes() && loses_lanes_));
     // A shader that only discards is tested early and written late: no other wave can come in between.
     out_.early_depth = forced_early || !needs_outputs;
     out_.has_side_effects = shader_ && shader_->info.writes_memory;
-    if (!tests_ || !out_.early_depth) return shade();
+    if (!tests_) return shade();
+    if (!out_.early_depth) {
+      if (exports_depth()) out_.late_depth = depth_mode();
+      return may_fail_early() ? shade_what_may_pass() : shade();
+    }
     test_early(forced_early || !loses_lanes_);
     Result<void> result;
     b_.if_(b_.ine(b_.ballot(covered_), b_.i32(0)), [&] {
@@ -78,14 +82,60 @@ class FragmentBuilder {
   }
 
  private:
+  // ---- conservative depth -------------------------------------------------------------------------------------------------
+  // A shader that promises on which side of the interpolated depth its own will be (execution modes DepthGreater, DepthLess and
+  // DepthUnchanged) is held to it, so a test that fails for the one fails for the other, and no bit depends on who looks first.
+  // With several samples the promise would be about depths that the shader does not see.
+
+  spirv::DepthMode depth_mode() const {
+    return shader_ && state_.samples == 1 ? shader_->info.depth_mode : spirv::DepthMode::kAny;
+  }
+  bool exports_depth() const { return shader_->info.writes_depth && depth_mode() != spirv::DepthMode::kUnchanged; }
+
+  Value kept_promise(Value exported) {
+    switch (depth_mode()) {
+      case spirv::DepthMode::kGreater:
+        return b_.fmax(depth_of_sample(), exported);
+      case spirv::DepthMode::kLess:
+        return b_.fmin(depth_of_sample(), exported);
+      case spirv::DepthMode::kUnchanged:
+        return depth_of_sample();
+      case spirv::DepthMode::kAny:
+        break;
+    }
+    return exported;
+  }
+
+  bool may_fail_early() const {
+    const VkCompareOp op = state_.depth.compare;
+    const bool greater = op == VK_COMPARE_OP_GREATER || op == VK_COMPARE_OP_GREATER_OR_EQUAL;
+    const bool less = op == VK_COMPARE_OP_LESS || op == VK_COMPARE_OP_LESS_OR_EQUAL;
+    const bool decided =
+        (less && out_.late_depth == spirv::DepthMode::kGreater) || (greater && out_.late_depth == spirv::DepthMode::kLess);
+    return decided && state_.depth.test_enable && one_test_ && !state_.stencil.writes() && !shader_->info.writes_memory &&
+           !declares(shader_->info.outputs, BuiltIn::kFragStencilRef);
+  }
+
+  // The block is left out when no lane passes with the interpolated depth.
+  Result<void> shade_what_may_pass() {
+    DepthStencil interpolated(b_, state_, block_index_);
+    interpolated.set_depth(b_, depth_of_sample());
+    Result<void> result;
+    b_.if_(b_.ine(b_.ballot(interpolated.test(b_, covered_)), b_.i32(0)), [&] { result = shade(); });
+    return result;
+  }
+
   // ---- coverage -----------------------------------------------------------------------------------------------------------
 
   void begin_coverage() {
     const uint32_t all = (1u << state_.samples) - 1, wanted = state_.sample_mask & all;
+    if (state_.smooth_lines) line_area_ = load_samples();
+    if (by_pixel_ && state_.smooth_lines) {
+      set_mask(b_.select(b_.ine(line_area_, b_.i32(0)), b_.i32(wanted), b_.i32(0)));
+      return;
+    }
     if (by_pixel_) {
-      const ir::Address samples{
-          .base = b_.wave_ptr(), .offset = b_.i32(offsetof(FragmentSampleWave, samples)), .lane_stride = sizeof(uint16_t)};
-      set_mask(b_.convert(Op::kZExt, Type::kI32, b_.load(Type::kI16, samples, kFixed)));
+      set_mask(load_samples());
       if (wanted != all) set_mask(b_.and_(mask_, b_.i32(wanted)));
       return;
     }
@@ -93,6 +143,12 @@ class FragmentBuilder {
     if (out_.per_sample) sample_ = b_.and_(block_index_, b_.i32(state_.samples - 1));
     if (wanted != all) keep_samples(b_.i32(wanted));
     if (out_.per_sample) mask_ = b_.select(covered_, b_.shl(b_.i32(1), sample_), b_.i32(0));
+  }
+
+  Value load_samples() {
+    const ir::Address samples{
+        .base = b_.wave_ptr(), .offset = b_.i32(offsetof(FragmentSampleWave, samples)), .lane_stride = sizeof(uint16_t)};
+    return b_.convert(Op::kZExt, Type::kI32, b_.load(Type::kI16, samples, kFixed));
   }
 
   void set_mask(Value mask) {
@@ -146,7 +202,7 @@ class FragmentBuilder {
       return;
     }
     if (!out_.early_depth) {
-      one_test_->set_depth(b_, stage->depth ? stage->depth : depth_of_sample());
+      one_test_->set_depth(b_, stage->depth ? kept_promise(stage->depth) : depth_of_sample());
       if (stage->stencil_reference) one_test_->set_stencil_reference(stage->stencil_reference);
       covered_ = one_test_->test(b_, covered_);
       one_test_->write_stencil(b_);
@@ -217,8 +273,8 @@ class FragmentBuilder {
     const bool depth_replaced =
         depth.format == VK_FORMAT_UNDEFINED || (depth.test_enable && depth.write_enable && depth.compare == VK_COMPARE_OP_ALWAYS);
     const uint32_t all = (1u << state_.samples) - 1;
-    return depth_replaced && !depth.bounds_test && !state_.stencil.test_enable && !loses_lanes_ && !out_.has_side_effects &&
-           (state_.sample_mask & all) == all;
+    return depth_replaced && !state_.smooth_lines && !depth.bounds_test && !state_.stencil.test_enable && !loses_lanes_ &&
+           !out_.has_side_effects && (state_.sample_mask & all) == all;
   }
 
   Result<void> write_colors(const FragmentStage& stage) {
@@ -263,6 +319,11 @@ class FragmentBuilder {
       }
     }
     if (!any || written_components(state, *format) == 0) return std::nullopt;
+    // "This coverage value is multiplied into the color location 0's alpha value after fragment shading."
+    if (state_.smooth_lines && attachment == 0 && !format->is_integer() && sources.first[3]) {
+      const Value part = b_.fdiv(b_.convert(Op::kUToF, Type::kF32, line_area_), b_.f32(65535));
+      sources.first[3] = b_.fmul(sources.first[3], part);
+    }
     if (state_.alpha_to_one && !format->is_integer()) sources.first[3] = sources.second[3] = b_.f32(1);
     return ColorTarget{attachment, operation, sources};
   }
@@ -316,6 +377,7 @@ class FragmentBuilder {
   Value block_index_;
   Value covered_;          // B1: with several samples, some of the lane's
   Value mask_;             // I32: samples of the lane; unset with one
+  Value line_area_;        // I32: of smooth lines
   Value sample_;           // I32: what a kernel that runs for each sample runs for
   bool by_pixel_ = false;  // several samples, one run of the shader
   bool loses_lanes_ = false, tests_ = false;

@@ -18,6 +18,7 @@ Shader shader_of(const spirv::Module& module);  // keeps a reference
 
 struct FragmentKernel {
   ir::Kernel ir;  // varyings are in provisional slots
+  spirv::DepthMode late_depth = spirv::DepthMode::kAny;
   bool early_depth = true, reads_color = false, opaque = false, has_side_effects = false, per_sample = false;
 };
 

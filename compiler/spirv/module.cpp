@@ -197,6 +197,9 @@ class Parser {
       check_execution_mode(inst);
       const auto mode = inst.word_as<spv::ExecutionMode>(2);
       if (mode == spv::ExecutionModeEarlyFragmentTests) m_.info.early_fragment_tests = true;
+      if (mode == spv::ExecutionModeDepthGreater) m_.info.depth_mode = DepthMode::kGreater;
+      if (mode == spv::ExecutionModeDepthLess) m_.info.depth_mode = DepthMode::kLess;
+      if (mode == spv::ExecutionModeDepthUnchanged) m_.info.depth_mode = DepthMode::kUnchanged;
       for (uint32_t axis = 0; axis < 3; ++axis) {
         if (mode == spv::ExecutionModeLocalSize) m_.info.local_size[axis] = inst.word(3 + axis);
         if (mode == spv::ExecutionModeLocalSizeId) m_.info.local_size[axis] = m_.constant_u32(inst, inst.word(3 + axis));

@@ -180,6 +180,9 @@ class StageInterface {
   virtual ir::Value shared_memory(ir::Builder& b) = 0;
 };
 
+// What a fragment shader promises of the depth that it exports, compared with the interpolated one.
+enum class DepthMode : uint8_t { kAny, kGreater, kLess, kUnchanged };  // kGreater: or equal ...
+
 // What a pipeline must know before kernels are built.
 struct ImageUse {
   ImageRef image, sampler;
@@ -199,6 +202,7 @@ struct ModuleInfo {
   bool writes_memory = false;  // storage buffers, images or atomics
   bool early_fragment_tests = false;
   bool writes_depth = false;
+  DepthMode depth_mode = DepthMode::kAny;
   bool uses_derivatives = false;
   bool uses_barriers = false;
 };
