@@ -1,6 +1,9 @@
 #include "icd/descriptor_pool.h"
 
+#include <algorithm>
+
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/device.h"
 
 namespace pineda::icd {
@@ -13,14 +16,18 @@ DescriptorPool::DescriptorPool(const Allocator& from, Device& device, const VkDe
   }
 }
 
-VkResult DescriptorPool::allocate(const DescriptorSetLayout& layout, DescriptorSet** out) {
+VkResult DescriptorPool::allocate(const DescriptorSetLayout& layout, uint32_t variable_count, DescriptorSet** out) {
   DescriptorCounts wanted{};
   for (const BindingLayout& binding : layout.bindings()) wanted[binding.type] += binding.count;
+  if (layout.has_variable_count()) {
+    const BindingLayout& last = layout.bindings().back();
+    wanted[last.type] -= last.count - std::min(variable_count, last.count);
+  }
   if (free_sets_ == 0) return VK_ERROR_OUT_OF_POOL_MEMORY;
   for (size_t type = 0; type < kDescriptorTypeCount; ++type) {
     if (wanted[type] > free_[type]) return VK_ERROR_OUT_OF_POOL_MEMORY;
   }
-  DescriptorSet* set = DescriptorSet::make(allocator, layout).release();
+  DescriptorSet* set = DescriptorSet::make(allocator, layout, wanted).release();
   --free_sets_;
   for (size_t type = 0; type < kDescriptorTypeCount; ++type) free_[type] -= wanted[type];
   set->next = first_;
@@ -61,11 +68,14 @@ VkResult api::ResetDescriptorPool(VkDevice, VkDescriptorPool pool, VkDescriptorP
 
 VkResult api::AllocateDescriptorSets(VkDevice, const VkDescriptorSetAllocateInfo* info, VkDescriptorSet* out) {
   DescriptorPool& pool = *from(info->descriptorPool);
+  const auto* variable = find_in_chain<VkDescriptorSetVariableDescriptorCountAllocateInfo>(
+      info->pNext, VK_STRUCTURE_TYPE_DESCRIPTOR_SET_VARIABLE_DESCRIPTOR_COUNT_ALLOCATE_INFO);
   for (uint32_t i = 0; i < info->descriptorSetCount; ++i) out[i] = VK_NULL_HANDLE;
   const VkResult result = guarded([&] {
     for (uint32_t i = 0; i < info->descriptorSetCount; ++i) {
       DescriptorSet* set = nullptr;
-      if (const VkResult failed = pool.allocate(*from(info->pSetLayouts[i]), &set); failed != VK_SUCCESS) return failed;
+      const uint32_t count = variable && i < variable->descriptorSetCount ? variable->pDescriptorCounts[i] : 0;
+      if (const VkResult failed = pool.allocate(*from(info->pSetLayouts[i]), count, &set); failed != VK_SUCCESS) return failed;
       out[i] = to_handle(set);
     }
     return VK_SUCCESS;

@@ -13,7 +13,8 @@ class DescriptorPool : public Object {
   ~DescriptorPool() { reset(); }
 
   // VK_ERROR_OUT_OF_POOL_MEMORY when the pool has not been made for it. Throws std::bad_alloc.
-  VkResult allocate(const DescriptorSetLayout& layout, DescriptorSet** out);
+  // `variable_count`: of the last binding, when the layout says that sets choose it.
+  VkResult allocate(const DescriptorSetLayout& layout, uint32_t variable_count, DescriptorSet** out);
   void release(DescriptorSet* set);
   void reset();
 

@@ -49,15 +49,15 @@ const void* unbound_set_memory() {
   return kZeros == MAP_FAILED ? nullptr : kZeros;
 }
 
-DescriptorSet::DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout)
+DescriptorSet::DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout, const DescriptorCounts& counts)
     : Object(from),
       layout_(layout),
       memory_(reinterpret_cast<uint8_t*>(this) + (sizeof(DescriptorSet) + kAlignment - 1) / kAlignment * kAlignment),
-      textures_(reinterpret_cast<TextureIds*>(memory_ + layout.size_bytes())) {
+      textures_(reinterpret_cast<TextureIds*>(memory_ + layout.size_bytes())),
+      counts_(counts) {
   std::memset(memory_, 0, layout.size_bytes());
   std::uninitialized_fill_n(textures_, layout.texture_count(), TextureIds{});
   for (const BindingLayout& binding : layout.bindings()) {
-    counts_[binding.type] += binding.count;
     if (binding.immutable_index == BindingLayout::kNone) continue;
     for (uint32_t i = 0; i < binding.count; ++i) {
       const ImmutableSampler& sampler = layout.immutable_samplers()[binding.immutable_index + i];
@@ -68,13 +68,14 @@ DescriptorSet::DescriptorSet(const Allocator& from, const DescriptorSetLayout& l
   }
 }
 
-Owned<DescriptorSet> DescriptorSet::make(const Allocator& allocator, const DescriptorSetLayout& layout) {
+Owned<DescriptorSet> DescriptorSet::make(const Allocator& allocator, const DescriptorSetLayout& layout,
+                                         const DescriptorCounts& counts) {
   static_assert(alignof(TextureIds) <= sizeof(BufferDescriptor), "descriptors keep the ids aligned");
   const size_t object_bytes = (sizeof(DescriptorSet) + kAlignment - 1) / kAlignment * kAlignment;
   const size_t bytes = object_bytes + layout.size_bytes() + layout.texture_count() * sizeof(TextureIds);
   void* memory = allocator.allocate(bytes, kAlignment, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT);
   if (!memory) throw std::bad_alloc();
-  return Owned<DescriptorSet>(new (memory) DescriptorSet(allocator, layout));
+  return Owned<DescriptorSet>(new (memory) DescriptorSet(allocator, layout, counts));
 }
 
 void DescriptorSet::write_one(const BindingLayout& binding, uint32_t element, const VkWriteDescriptorSet& write,

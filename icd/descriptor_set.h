@@ -23,7 +23,7 @@ class DescriptorSet : public Object {
  public:
   static constexpr size_t kAlignment = 64;
   // Throws std::bad_alloc. Immutable samplers are written; the rest is zero: reads of a zero descriptor give zero.
-  static Owned<DescriptorSet> make(const Allocator& allocator, const DescriptorSetLayout& layout);
+  static Owned<DescriptorSet> make(const Allocator& allocator, const DescriptorSetLayout& layout, const DescriptorCounts& counts);
 
   const uint8_t* memory() const { return memory_; }
   const TextureIds& texture(uint32_t index) const { return textures_[index]; }
@@ -36,13 +36,13 @@ class DescriptorSet : public Object {
   DescriptorSet* next = nullptr;
 
  private:
-  DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout);
+  DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout, const DescriptorCounts& counts);
   void write_one(const BindingLayout& binding, uint32_t element, const VkWriteDescriptorSet& write, uint32_t source);
 
   const DescriptorSetLayout& layout_;  // for updates only: they are invalid after the layout's destruction
   uint8_t* memory_;
   TextureIds* textures_;
-  DescriptorCounts counts_{};
+  DescriptorCounts counts_;  // taken from the pool
 };
 
 }  // namespace pineda::icd

@@ -1,6 +1,7 @@
 #include "icd/descriptor_set_layout.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "icd/api.h"
 #include "icd/chain.h"
@@ -54,15 +55,10 @@ namespace {
 
 // What is wrong with a set layout; empty when it can be made.
 std::string unsupported(const VkDescriptorSetLayoutCreateInfo& info) {
-  // Sets are read when commands are executed: whatever VkDescriptorSetLayoutBindingFlagsCreateInfo allows, but for a variable
-  // count, is how every binding works.
+  // Sets are read when commands are executed: whatever VkDescriptorSetLayoutBindingFlagsCreateInfo allows is how every binding
+  // works.
   constexpr VkDescriptorSetLayoutCreateFlags kFlags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
   if (info.flags & ~kFlags) return "flags of extensions are not supported";
-  const auto* flags = find_in_chain<VkDescriptorSetLayoutBindingFlagsCreateInfo>(
-      info.pNext, VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO);
-  for (uint32_t i = 0; flags && i < flags->bindingCount; ++i) {
-    if (flags->pBindingFlags[i] & VK_DESCRIPTOR_BINDING_VARIABLE_DESCRIPTOR_COUNT_BIT) return "counts are fixed";
-  }
   uint64_t size_bytes = 0;
   for (uint32_t i = 0; i < info.bindingCount; ++i) {
     const VkDescriptorSetLayoutBinding& binding = info.pBindings[i];
@@ -75,6 +71,35 @@ std::string unsupported(const VkDescriptorSetLayoutCreateInfo& info) {
     size_bytes += uint64_t(bytes) * binding.descriptorCount;
   }
   return size_bytes <= kMaxSetBytes ? "" : "too many descriptors";
+}
+
+// The number of the binding whose count each set chooses: the highest one
+// (VUID-VkDescriptorSetLayoutBindingFlagsCreateInfo-pBindingFlags-03004).
+std::optional<uint32_t> variable_binding(const VkDescriptorSetLayoutCreateInfo& info) {
+  const auto* flags = find_in_chain<VkDescriptorSetLayoutBindingFlagsCreateInfo>(
+      info.pNext, VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO);
+  for (uint32_t i = 0; flags && i < std::min(flags->bindingCount, info.bindingCount); ++i) {
+    if (flags->pBindingFlags[i] & VK_DESCRIPTOR_BINDING_VARIABLE_DESCRIPTOR_COUNT_BIT) return info.pBindings[i].binding;
+  }
+  return std::nullopt;
+}
+
+// As many as fit beside the other bindings; 0 without such a binding.
+uint32_t max_variable_count(const VkDescriptorSetLayoutCreateInfo& info) {
+  const std::optional<uint32_t> variable = variable_binding(info);
+  uint64_t others_bytes = 0;
+  uint32_t stride_bytes = 0;
+  for (uint32_t i = 0; variable && i < info.bindingCount; ++i) {
+    const VkDescriptorSetLayoutBinding& binding = info.pBindings[i];
+    const uint32_t bytes = descriptor_bytes(binding.descriptorType);
+    if (binding.binding == *variable) {
+      stride_bytes = bytes;
+    } else {
+      others_bytes += uint64_t(bytes) * binding.descriptorCount;
+    }
+  }
+  if (stride_bytes == 0 || others_bytes > kMaxSetBytes) return 0;
+  return static_cast<uint32_t>((kMaxSetBytes - others_bytes) / stride_bytes);
 }
 
 }  // namespace
@@ -118,6 +143,7 @@ DescriptorSetLayout::DescriptorSetLayout(const Allocator& from_allocator, Device
     }
     bindings_.push_back(binding);
   }
+  has_variable_count_ = !bindings_.empty() && variable_binding(info) == bindings_.back().binding;
 }
 
 const BindingLayout* DescriptorSetLayout::find(uint32_t binding) const {
@@ -139,6 +165,9 @@ void api::GetDescriptorSetLayoutSupport(VkDevice, const VkDescriptorSetLayoutCre
   out->supported = VK_FALSE;
   (void)guarded([&] {
     out->supported = unsupported(*info).empty();
+    auto* variable = find_in_chain<VkDescriptorSetVariableDescriptorCountLayoutSupport>(
+        out->pNext, VK_STRUCTURE_TYPE_DESCRIPTOR_SET_VARIABLE_DESCRIPTOR_COUNT_LAYOUT_SUPPORT);
+    if (variable) variable->maxVariableDescriptorCount = max_variable_count(*info);
     return VK_SUCCESS;
   });
 }

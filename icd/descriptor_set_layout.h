@@ -45,11 +45,15 @@ class DescriptorSetLayout : public Object {
   uint32_t size_bytes() const { return size_bytes_; }
   uint32_t texture_count() const { return texture_count_; }
   uint32_t dynamic_count() const { return dynamic_count_; }
+  // Whether vkAllocateDescriptorSets tells how many descriptors the last binding has. A set has room for all of them anyway, as a
+  // shader's index is checked against the layout's count; only the pool counts what was asked for.
+  bool has_variable_count() const { return has_variable_count_; }
 
  private:
   HostVector<BindingLayout> bindings_;
   HostVector<ImmutableSampler> immutable_samplers_;
   uint32_t size_bytes_ = 0, texture_count_ = 0, dynamic_count_ = 0;
+  bool has_variable_count_ = false;
 };
 
 }  // namespace pineda::icd

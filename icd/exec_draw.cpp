@@ -25,12 +25,12 @@ bool Executor::flush_packet() {
   for (uint32_t i = 0; compatible && i < subpass.color_count; ++i) {
     compatible = state.fragment.color[i].format == subpass.color[i].format;
   }
-  if (!compatible) {
+  if (!compatible && state.rasterizes) {
     device_.lose("a pipeline was used in a subpass whose attachments have other formats than its own render pass");
     return false;
   }
   // Without attachments each pipeline may have its own number of samples.
-  if (pass_desc_.samples != state.fragment.samples) split_subpass(state.fragment.samples);
+  if (state.rasterizes && pass_desc_.samples != state.fragment.samples) split_subpass(state.fragment.samples);
   const DrawContext* context = packet_.context;
   packet_ = {};
   packet_.context = context;
@@ -73,7 +73,16 @@ bool Executor::flush_packet() {
   packet_.stencil_test = state.fragment.stencil.test_enable;
   packet_.stencil_write = state.fragment.stencil.writes();
   packet_.samples_passed = occlusion_.pool ? occlusion_.pool->counter(occlusion_.query) : nullptr;
+  if (!state.rasterizes) discard_primitives();
   return true;
+}
+
+// rasterizerDiscardEnable: vertex shaders run, for their stores and for queries, and every primitive is outside the scissor.
+void Executor::discard_primitives() {
+  packet_.viewports = nullptr;
+  packet_.viewport = {0, 0, 1, 1, 0, 1};
+  packet_.scissor = {};
+  packet_.has_side_effects = true;  // a draw with an empty scissor is left out otherwise
 }
 
 void Executor::flush_context(const DrawCall& call) {
@@ -102,7 +111,7 @@ void Executor::flush_context(const DrawCall& call) {
 
 // Brings packet and kernels up to date; false when nothing is to be drawn.
 bool Executor::flush() {
-  if (!pass_ || !pipeline_ || !pipeline_->state().rasterizes) return false;
+  if (!pass_ || !pipeline_) return false;
   if (dirty_ & kKernels) {
     if (!flush_kernels()) return false;
     dirty_ = (dirty_ & ~uint32_t(kKernels)) | kPacket;

@@ -81,6 +81,7 @@ class Executor {
   bool flush();
   bool flush_kernels();
   bool flush_packet();
+  void discard_primitives();
   void flush_context(const DrawCall& call);
   raster::IndexBuffer index_buffer() const;
 

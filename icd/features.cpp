@@ -53,11 +53,14 @@ constexpr VkPhysicalDeviceDescriptorIndexingFeatures kDescriptorIndexing{
     .descriptorBindingStorageTexelBufferUpdateAfterBind = VK_TRUE,
     .descriptorBindingUpdateUnusedWhilePending = VK_TRUE,
     .descriptorBindingPartiallyBound = VK_TRUE,
+    .descriptorBindingVariableDescriptorCount = VK_TRUE,
     .runtimeDescriptorArray = VK_TRUE};
 constexpr VkPhysicalDeviceCustomBorderColorFeaturesEXT kCustomBorderColor{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CUSTOM_BORDER_COLOR_FEATURES_EXT,
     .customBorderColors = VK_TRUE,
     .customBorderColorWithoutFormat = VK_TRUE};
+constexpr VkPhysicalDevice4444FormatsFeaturesEXT k4444Formats{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_4444_FORMATS_FEATURES_EXT, .formatA4R4G4B4 = VK_TRUE, .formatA4B4G4R4 = VK_TRUE};
 constexpr VkPhysicalDeviceDepthClipEnableFeaturesEXT kDepthClipEnable{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DEPTH_CLIP_ENABLE_FEATURES_EXT, .depthClipEnable = VK_TRUE};
 constexpr VkPhysicalDeviceFaultFeaturesEXT kDeviceFault{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FAULT_FEATURES_EXT,
@@ -149,6 +152,7 @@ std::span<const FeatureRow> rows() {
       row(kTimelineSemaphore, kTimelineSemaphore.timelineSemaphore),
       row(kHostQueryReset, kHostQueryReset.hostQueryReset),
       row(kDescriptorIndexing, kDescriptorIndexing.runtimeDescriptorArray),
+      row(k4444Formats, k4444Formats.formatA4B4G4R4),
       row(kDepthClipEnable, kDepthClipEnable.depthClipEnable),
       row(kDeviceFault, kDeviceFault.deviceFaultVendorBinary),
       row(kIndexTypeUint8, kIndexTypeUint8.indexTypeUint8),

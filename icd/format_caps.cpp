@@ -87,6 +87,17 @@ bool usage_allowed(VkImageUsageFlags usage, VkFormatFeatureFlags features) {
   return (usage & ~allowed) == 0;
 }
 
+// What views of an image may be used for, when the image is created with VK_IMAGE_CREATE_EXTENDED_USAGE_BIT: by any format of its
+// compatibility class. Blocks have none but themselves: no view writes them.
+VkFormatFeatureFlags class_features(const FormatInfo& of, VkImageTiling tiling) {
+  VkFormatFeatureFlags features = 0;
+  for (const FormatInfo& format : all_formats()) {
+    const bool compatible = format.is_plain() && !format.is_depth_or_stencil() && format.texel_bytes == of.texel_bytes;
+    if (compatible) features |= image_features(format, tiling);
+  }
+  return of.is_plain() && !of.is_depth_or_stencil() ? features : 0;
+}
+
 VkExtent3D max_extent(const ImageQuery& query) {
   switch (query.type) {
     case VK_IMAGE_TYPE_1D:
@@ -102,14 +113,13 @@ VkExtent3D max_extent(const ImageQuery& query) {
 
 namespace {
 
-// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more. There are no
-// multisampled storage images.
+// "sampleCounts will be set to VK_SAMPLE_COUNT_1_BIT if" tiling, type, flags or format do not allow more.
 VkSampleCountFlags sample_counts(const ImageQuery& query, VkFormatFeatureFlags features) {
   constexpr VkFormatFeatureFlags kAttachment =
       VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT;
   const bool plain = query.tiling == VK_IMAGE_TILING_OPTIMAL && query.type == VK_IMAGE_TYPE_2D &&
                      !(query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT);
-  return plain && (features & kAttachment) && !(query.usage & VK_IMAGE_USAGE_STORAGE_BIT) ? kSampleCounts : 1;
+  return plain && (features & kAttachment) ? kSampleCounts : 1;
 }
 
 }  // namespace
@@ -141,10 +151,13 @@ VkResult image_format_properties(const ImageQuery& asked, VkImageFormatPropertie
   if (query.flags & ~kFlags) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   const bool cube = (query.flags & VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT) != 0;
   if (cube && query.type != VK_IMAGE_TYPE_2D) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  const VkFormatFeatureFlags features = image_features(*info, query.tiling);
+  VkFormatFeatureFlags features = image_features(*info, query.tiling);
+  constexpr VkImageCreateFlags kExtended = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
+  if (features && (query.flags & kExtended) == kExtended) features |= class_features(*info, query.tiling);
   if (features == 0 || !usage_allowed(query.usage, features)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
-  // Volumes are no attachments.
-  constexpr VkImageUsageFlags kVolumeUsage = kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+  // Slices of volumes are colour attachments only.
+  constexpr VkImageUsageFlags kVolumeUsage =
+      kTransferUsage | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   if (query.type == VK_IMAGE_TYPE_3D && (query.usage & ~kVolumeUsage)) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   out->maxExtent = max_extent(query);
   out->maxMipLevels = std::bit_width(out->maxExtent.width);

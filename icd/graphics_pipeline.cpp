@@ -24,7 +24,6 @@ VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info, compil
     if (!module_name.empty()) name_ += (name_.empty() ? "" : "+") + module_name;
   }
   if (name_.empty()) name_ = "graphics";
-  if (!state_.rasterizes) return VK_SUCCESS;
   const compiler::CodeGenerator generator = code_generator(device);
   general_ = compile({}, store, generator ? &generator : nullptr);
   return general_ ? VK_SUCCESS : kShaderRejected;

@@ -167,14 +167,20 @@ void translate_attachment(const VkPipelineColorBlendAttachmentState& info, compi
   out.alpha_op = info.alphaBlendOp;
 }
 
+// "pColorBlendState is ignored if [...] the subpass does not use any color attachments"
+bool uses_colour(const Subpass& subpass) {
+  return std::any_of(subpass.color.begin(), subpass.color.begin() + subpass.color_count,
+                     [](const auto& attachment) { return attachment.format != VK_FORMAT_UNDEFINED; });
+}
+
 VkResult translate_blend(const VkPipelineColorBlendStateCreateInfo* info, const Subpass& subpass, GraphicsState& out) {
   out.fragment.color_count = subpass.color_count;
-  if (subpass.color_count > 0 && !info) return not_supported("vkCreateGraphicsPipelines: no colour blend state");
+  if (uses_colour(subpass) && !info) return not_supported("vkCreateGraphicsPipelines: no colour blend state");
   if (info && info->logicOpEnable) out.fragment.logic_op = info->logicOp;
   for (uint32_t i = 0; i < subpass.color_count; ++i) {
     compiler::BlendState& attachment = out.fragment.color[i];
     attachment.format = subpass.color[i].format;  // UNDEFINED for VK_ATTACHMENT_UNUSED
-    if (i < info->attachmentCount) translate_attachment(info->pAttachments[i], attachment);
+    if (info && i < info->attachmentCount) translate_attachment(info->pAttachments[i], attachment);
   }
   if (info) std::ranges::copy(info->blendConstants, out.values.blend_constants.begin());
   return VK_SUCCESS;
@@ -208,7 +214,7 @@ VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, Grap
   translate_viewport(*info.pViewportState, *out);
   result = translate_multisample(*info.pMultisampleState, subpass, *out);
   if (subpass.depth.format != VK_FORMAT_UNDEFINED) translate_depth(*info.pDepthStencilState, subpass, *out);
-  if (result == VK_SUCCESS) result = translate_blend(subpass.color_count > 0 ? info.pColorBlendState : nullptr, subpass, *out);
+  if (result == VK_SUCCESS) result = translate_blend(uses_colour(subpass) ? info.pColorBlendState : nullptr, subpass, *out);
   return result;
 }
 

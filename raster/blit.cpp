@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <vector>
 
+#include "raster/texel_converter.h"
 #include "raster/texel_row.h"
 
 namespace pineda::raster {
@@ -85,19 +87,10 @@ void copy_row(const Blit& blit, const Columns& columns, int32_t y, int32_t z) {
 }
 
 // Integer formats, and whatever is not filtered.
-void convert_row(const Blit& blit, const Columns& columns, int32_t y, int32_t z) {
-  const FormatInfo& from_format = *blit.source.format;
-  const FormatInfo& to_format = *blit.destination.format;
+void convert_row(const Blit& blit, const TexelConverter& converter, const Columns& columns, int32_t y, int32_t z) {
   const uint8_t* from = source_row(blit, blit.y.nearest(y), blit.z.nearest(z));
-  uint8_t* to = destination_row(blit, y, z);
-  for (const uint32_t column : columns.first) {
-    const VkClearColorValue color = unpack_texel(from_format, from + size_t{column} * from_format.texel_bytes);
-    pack_clear_color(to_format, color, to);
-    to += to_format.texel_bytes;
-  }
+  converter.run(from, columns.first.data(), columns.first.size(), destination_row(blit, y, z));
 }
-
-Float4 mix(Float4 a, Float4 b, float weight) { return a * (1 - weight) + b * weight; }
 
 // "Texel Filtering", VK_FILTER_LINEAR, for consecutive rows: a source row that the next destination row needs again is kept.
 class LinearRows {
@@ -106,8 +99,6 @@ class LinearRows {
       : blit_(blit), columns_(columns), source_(*blit.source.format), destination_(*blit.destination.format) {
     const size_t count = columns.first.size();
     for (Cached& row : cache_) row.texels.resize(count);
-    first_.resize(count);
-    second_.resize(count);
     result_.resize(count);
     same_units_ = true;
     const Float4 a = source_.scale(), b = destination_.scale();
@@ -123,6 +114,11 @@ class LinearRows {
     const BlitAxis::Pair rows = blit_.y.pair(y);
     const auto count = static_cast<uint32_t>(result_.size());
     const uint32_t slice = blit_.z.nearest(z);
+    uint8_t* to = destination_row(blit_, y, z);
+    if (!blit_.linear_z && same_units_) {
+      const std::vector<Float4>&top = filtered(rows.first, slice), &bottom = filtered(rows.second, slice);
+      return destination_.write_mixed_units(top.data(), bottom.data(), rows.weight, count, to);
+    }
     if (!blit_.linear_z) {
       mix_rows(rows, slice, result_);
     } else {
@@ -131,7 +127,6 @@ class LinearRows {
       mix_rows(rows, slices.second, other_);
       for (uint32_t i = 0; i < count; ++i) result_[i] = mix(result_[i], other_[i], slices.weight);
     }
-    uint8_t* to = destination_row(blit_, y, z);
     if (same_units_) return destination_.write_units(result_.data(), count, to);
     for (Float4& value : result_) value /= source_.scale();
     destination_.write_values(result_.data(), count, to);
@@ -158,9 +153,7 @@ class LinearRows {
     place.key = key;
     const auto count = static_cast<uint32_t>(place.texels.size());
     const uint8_t* row = source_row(blit_, y, slice);
-    source_.read(row, columns_.first.data(), count, first_.data());
-    source_.read(row, columns_.second.data(), count, second_.data());
-    for (uint32_t i = 0; i < count; ++i) place.texels[i] = mix(first_[i], second_[i], columns_.weight[i]);
+    source_.read_mixed(row, columns_.first.data(), columns_.second.data(), columns_.weight.data(), count, place.texels.data());
     return place.texels;
   }
 
@@ -169,7 +162,7 @@ class LinearRows {
   TexelRow source_, destination_;
   bool same_units_ = false;  // codes of the source are codes of the destination
   Cached cache_[4];
-  std::vector<Float4> first_, second_, result_, other_;
+  std::vector<Float4> result_, other_;
 };
 
 // Halving RGBA8 images, as for mip levels: the mean of four codes, halves to even. The same bits as LinearRows, whose sums of
@@ -216,7 +209,10 @@ void blit(ThreadPool& pool, const Blit& blit) {
   if (blit.x.begin >= blit.x.end || blit.y.begin >= blit.y.end || blit.z.begin >= blit.z.end) return;
   const Columns columns = columns_of(blit);
   const auto rows = static_cast<uint64_t>(blit.y.end - blit.y.begin), slices = static_cast<uint64_t>(blit.z.end - blit.z.begin);
+  const uint64_t texels = rows * slices * columns.first.size();
   const bool same = blit.source.format == blit.destination.format, halving = blit.linear && is_halving(blit);
+  std::optional<TexelConverter> converter;
+  if (!same && !blit.linear) converter.emplace(*blit.source.format, *blit.destination.format, texels);
   // Runs of rows, so that LinearRows may keep what two rows share. What a run is does not show in the result.
   constexpr uint64_t kTexelsOfRun = 16384;
   const uint64_t rows_of_run = std::clamp<uint64_t>(kTexelsOfRun / columns.first.size(), 1, rows);
@@ -232,10 +228,17 @@ void blit(ThreadPool& pool, const Blit& blit) {
           for (int32_t y = begin; y < end; ++y) linear.run(y, z);
           return;
         }
-        for (int32_t y = begin; y < end; ++y)
-          halving ? halve_row(blit, columns, y, z) : same ? copy_row(blit, columns, y, z) : convert_row(blit, columns, y, z);
+        for (int32_t y = begin; y < end; ++y) {
+          if (halving) {
+            halve_row(blit, columns, y, z);
+          } else if (same) {
+            copy_row(blit, columns, y, z);
+          } else {
+            convert_row(blit, *converter, columns, y, z);
+          }
+        }
       },
-      rows * slices * columns.first.size() >= kTexelsOfRun);
+      texels >= kTexelsOfRun);
 }
 
 }  // namespace pineda::raster

@@ -20,6 +20,20 @@ TEST(Clients, VulkaninfoListsTheDriver) {
   EXPECT_NE(result.output.find("PHYSICAL_DEVICE_TYPE_CPU"), std::string::npos) << result.output;
 }
 
+// All of it, features and formats included, while the validation layer watches.
+TEST(Clients, VulkaninfoPrintsEverything) {
+  const ProcessResult result = run_process(
+      "XDG_RUNTIME_DIR=" + build_dir() + " VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation VK_DRIVER_FILES=" + build_dir() +
+      "/pineda_icd.json VK_ICD_FILENAMES=" + build_dir() + "/pineda_icd.json vulkaninfo --show-formats");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  for (const char* complaint : {"ERROR", "Validation Error", "VK_ERROR"}) {
+    EXPECT_EQ(result.output.find(complaint), std::string::npos) << complaint << " in\n" << result.output;
+  }
+  for (const char* part : {"FORMAT_ASTC_12x12_SRGB_BLOCK", "maxImageDimension2D", "VkPhysicalDeviceDescriptorIndexingFeatures"}) {
+    EXPECT_NE(result.output.find(part), std::string::npos) << part << " missing in\n" << result.output;
+  }
+}
+
 TEST(Clients, ScenesAreCleanUnderTheValidationLayer) {
   const ProcessResult result = run_process(kCommand + " golden --validate " + source_dir() + "/tests/golden/scenes.txt");
   EXPECT_EQ(result.exit_status, 0) << result.output;
@@ -31,6 +45,16 @@ TEST(Clients, ScenesAreCleanUnderSynchronizationValidation) {
                                            kCommand + " golden --validate " + source_dir() + "/tests/golden/scenes.txt");
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_EQ(result.output.find("validation:"), std::string::npos) << result.output;
+}
+
+// The tests of images once more, through the loader and the layer. (Queries of GetPhysicalDevice* and refusals are theirs too.)
+TEST(Clients, ImageTestsAreCleanUnderTheValidationLayer) {
+  const ProcessResult result =
+      run_process("PINEDA_TEST_LOADER=1 VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation VK_DRIVER_FILES=" + build_dir() +
+                  "/pineda_icd.json VK_ICD_FILENAMES=" + build_dir() + "/pineda_icd.json " + build_dir() +
+                  "/pineda_api_tests --gtest_filter='IcdFormat*:IcdImageUse*-*InvalidUse*'");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_EQ(result.output.find("Validation Error"), std::string::npos) << result.output.substr(0, 4000);
 }
 
 // The quick ones of `./run clients`; what is not installed is skipped, and its row says so.

@@ -80,6 +80,8 @@ constexpr spv::Capability kSupported[] = {
     spv::CapabilitySampledImageArrayDynamicIndexing,
     spv::CapabilityStorageImageArrayDynamicIndexing,
     spv::CapabilityMinLod,
+    spv::CapabilityStorageImageMultisample,
+    spv::CapabilityImageMSArray,
     spv::CapabilitySampledBuffer,
     spv::CapabilityImageBuffer,
     spv::CapabilityRuntimeDescriptorArray,

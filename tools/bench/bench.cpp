@@ -265,7 +265,7 @@ class Bench {
       const Ratio ratio = ratio_of(own, samples.back());
       if (std::isnan(ratio.value)) continue;
       ratios[drivers_[i]->label()] = {{"ratio", ratio.value}, {"low", ratio.low}, {"high", ratio.high}};
-      if (row.name != kNotInMean) log_ratios_[drivers_[i]->label()].push_back(std::log(ratio.value));
+      if (row.in_mean && row.name != kNotInMean) log_ratios_[drivers_[i]->label()].push_back(std::log(ratio.value));
     }
     rows_.push_back({{"row", row.name},
                      {"description", row.description},

@@ -8,6 +8,7 @@
 #include "shaders/layer_lit_frag.h"
 #include "shaders/layer_textured_frag.h"
 #include "shaders/layer_vert.h"
+#include "tools/vk/block_texture.h"
 
 namespace pineda::tools {
 namespace {
@@ -36,6 +37,8 @@ Image make_pattern() {
 Spirv fragment_shader_of(LayerKind kind) {
   switch (kind) {
     case LayerKind::kTrilinear:
+    case LayerKind::kTrilinearBc7:
+    case LayerKind::kTrilinearAstc:
       return layer_textured_frag;
     case LayerKind::kLitFrontToBack:
       return layer_lit_frag;
@@ -54,7 +57,7 @@ class LayerScene final : public RenderScene {
 
  protected:
   void create(VkContext& context, const RenderTarget& target) override {
-    if (kind_ == LayerKind::kTrilinear) create_texture_set(context);
+    if (is_textured()) create_texture_set(context);
     const VkDescriptorSetLayout set_layout = set_layout_;
     const VkPushConstantRange range{kLayerStages, 0, sizeof(Layer)};
     layout_ = create_pipeline_layout(context, {&set_layout, set_ ? 1u : 0u}, {&range, 1});
@@ -79,8 +82,16 @@ class LayerScene final : public RenderScene {
   }
 
  private:
+  bool is_textured() const {
+    return kind_ == LayerKind::kTrilinear || kind_ == LayerKind::kTrilinearBc7 || kind_ == LayerKind::kTrilinearAstc;
+  }
+
   void create_texture_set(VkContext& context) {
-    texture_ = create_texture(context, make_mip_chain(make_pattern()), VK_FORMAT_R8G8B8A8_UNORM);
+    const std::vector<Image> levels = make_mip_chain(make_pattern());
+    texture_ = kind_ == LayerKind::kTrilinear
+                   ? create_texture(context, levels, VK_FORMAT_R8G8B8A8_UNORM)
+                   : create_block_texture(context, levels,
+                                          kind_ == LayerKind::kTrilinearBc7 ? BlockFormat::kBc7 : BlockFormat::kAstc4x4);
     sampler_ = create_trilinear_sampler(context);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
     set_layout_ = create_set_layout(context, {&binding, 1});

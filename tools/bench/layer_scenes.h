@@ -7,7 +7,7 @@
 
 namespace pineda::tools {
 
-enum class LayerKind { kOpaque, kBlended, kTrilinear, kLitFrontToBack };
+enum class LayerKind { kOpaque, kBlended, kTrilinear, kTrilinearBc7, kTrilinearAstc, kLitFrontToBack };
 
 std::unique_ptr<Scene> make_layer_scene(LayerKind kind, uint32_t layer_count);
 

@@ -6,6 +6,7 @@
 #include "tools/bench/compute_rows.h"
 #include "tools/bench/kernel_rows.h"
 #include "tools/bench/latency_rows.h"
+#include "tools/bench/transfer_rows.h"
 #include "tools/bench/zoo_rows.h"
 #include "tools/error.h"
 #include "tools/scene.h"
@@ -95,6 +96,7 @@ std::vector<BenchRowInfo> make_rows() {
   for (const BenchScene& scene : bench_scenes()) {
     rows.push_back({scene.name, scene.description, scene.extent, scene_row(scene.create)});
   }
+  add_transfer_rows(rows);
   rows.push_back({"saxpy", "SAXPY of 8 M floats", {0, 0}, make_saxpy_row});
   rows.push_back({"sgemm", "512x512 matrix product, tiles in shared memory", {0, 0}, make_sgemm_row});
   rows.push_back({"transcendentals", "84 M transcendental functions", {0, 0}, make_transcendentals_row});

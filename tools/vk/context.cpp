@@ -128,6 +128,9 @@ void VkContext::create_device() {
                                           .wideLines = available.wideLines,
                                           .largePoints = available.largePoints,
                                           .samplerAnisotropy = available.samplerAnisotropy,
+                                          .textureCompressionETC2 = available.textureCompressionETC2,
+                                          .textureCompressionASTC_LDR = available.textureCompressionASTC_LDR,
+                                          .textureCompressionBC = available.textureCompressionBC,
                                           .fragmentStoresAndAtomics = available.fragmentStoresAndAtomics,
                                           .shaderImageGatherExtended = available.shaderImageGatherExtended,
                                           .shaderClipDistance = available.shaderClipDistance};
@@ -158,6 +161,12 @@ VkContext::~VkContext() {
     if (destroy) destroy(instance_, messenger_, nullptr);
   }
   if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+bool VkContext::samples(VkFormat format) const {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(physical_device_, format, &properties);
+  return (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT) != 0;
 }
 
 VkSampleCountFlags VkContext::sample_counts() const {

@@ -29,6 +29,7 @@ class VkContext {
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
   DeviceInfo info() const;
+  bool samples(VkFormat format) const;       // whether images of it can be sampled with linear filtering
   VkSampleCountFlags sample_counts() const;  // of colour and depth attachments together
 
   uint32_t memory_type(uint32_t allowed_types, VkMemoryPropertyFlags wanted) const;

@@ -1,5 +1,6 @@
 #include "tools/vk/resources.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace pineda::tools {
@@ -91,17 +92,21 @@ void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout fr
 }
 
 Image2D create_texture(VkContext& context, std::span<const Image> mip_levels, VkFormat format) {
-  const VkExtent2D extent{mip_levels[0].width, mip_levels[0].height};
-  Image2D texture = create_image(context, extent, static_cast<uint32_t>(mip_levels.size()), format,
+  std::vector<std::vector<uint8_t>> levels;
+  for (const Image& level : mip_levels) levels.push_back(level.rgba);
+  return create_texture(context, {mip_levels[0].width, mip_levels[0].height}, levels, format);
+}
+
+Image2D create_texture(VkContext& context, VkExtent2D extent, std::span<const std::vector<uint8_t>> levels, VkFormat format) {
+  Image2D texture = create_image(context, extent, static_cast<uint32_t>(levels.size()), format,
                                  VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
   std::vector<uint8_t> staging_bytes;
   std::vector<VkBufferImageCopy> copies;
-  for (uint32_t level = 0; level < mip_levels.size(); ++level) {
-    const Image& image = mip_levels[level];
+  for (uint32_t level = 0; level < levels.size(); ++level) {
     copies.push_back({.bufferOffset = staging_bytes.size(),
                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
-                      .imageExtent = {image.width, image.height, 1}});
-    staging_bytes.insert(staging_bytes.end(), image.rgba.begin(), image.rgba.end());
+                      .imageExtent = {std::max(extent.width >> level, 1u), std::max(extent.height >> level, 1u), 1}});
+    staging_bytes.insert(staging_bytes.end(), levels[level].begin(), levels[level].end());
   }
   const Buffer staging = create_buffer(context, staging_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
   context.run_once([&](VkCommandBuffer commands) {

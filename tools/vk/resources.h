@@ -42,6 +42,8 @@ Image2D create_image(VkContext& context, VkExtent2D extent, uint32_t mip_levels,
 // Uploads all levels by one buffer-to-image copy; ready for sampling. The format has the texels of an Image: R8G8B8A8_UNORM or
 // _SRGB.
 Image2D create_texture(VkContext& context, std::span<const Image> mip_levels, VkFormat format);
+// The same of any format: each level's bytes as vkCmdCopyBufferToImage takes them, without gaps.
+Image2D create_texture(VkContext& context, VkExtent2D extent, std::span<const std::vector<uint8_t>> levels, VkFormat format);
 SamplerHandle create_trilinear_sampler(VkContext& context);
 
 void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout from, VkImageLayout to, VkAccessFlags source_access,
