@@ -65,6 +65,10 @@ constexpr VkPhysicalDeviceDepthClipEnableFeaturesEXT kDepthClipEnable{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DEPTH_CLIP_ENABLE_FEATURES_EXT, .depthClipEnable = VK_TRUE};
 constexpr VkPhysicalDeviceFaultFeaturesEXT kDeviceFault{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FAULT_FEATURES_EXT,
                                                         .deviceFault = VK_TRUE};
+constexpr VkPhysicalDeviceImage2DViewOf3DFeaturesEXT kImage2DViewOf3D{
+    .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_2D_VIEW_OF_3D_FEATURES_EXT,
+    .image2DViewOf3D = VK_TRUE,
+    .sampler2DViewOf3D = VK_TRUE};
 constexpr VkPhysicalDeviceIndexTypeUint8FeaturesEXT kIndexTypeUint8{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_INDEX_TYPE_UINT8_FEATURES_EXT, .indexTypeUint8 = VK_TRUE};
 constexpr VkPhysicalDeviceLineRasterizationFeaturesEXT kLineRasterization{
@@ -155,6 +159,7 @@ std::span<const FeatureRow> rows() {
       row(k4444Formats, k4444Formats.formatA4B4G4R4),
       row(kDepthClipEnable, kDepthClipEnable.depthClipEnable),
       row(kDeviceFault, kDeviceFault.deviceFaultVendorBinary),
+      row(kImage2DViewOf3D, kImage2DViewOf3D.sampler2DViewOf3D),
       row(kIndexTypeUint8, kIndexTypeUint8.indexTypeUint8),
       row(kLineRasterization, kLineRasterization.stippledSmoothLines),
       row(kProvokingVertex, kProvokingVertex.transformFeedbackPreservesProvokingVertex),

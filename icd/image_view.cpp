@@ -20,6 +20,8 @@ bool type_fits(const Image& image, VkImageViewType type) {
     case VK_IMAGE_VIEW_TYPE_1D_ARRAY:
       return image.type == VK_IMAGE_TYPE_1D;
     case VK_IMAGE_VIEW_TYPE_2D:
+      if (image.type == VK_IMAGE_TYPE_3D && (image.flags & VK_IMAGE_CREATE_2D_VIEW_COMPATIBLE_BIT_EXT)) return true;
+      [[fallthrough]];
     case VK_IMAGE_VIEW_TYPE_2D_ARRAY:
       return image.type == VK_IMAGE_TYPE_2D ||
              (image.type == VK_IMAGE_TYPE_3D && (image.flags & VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT));

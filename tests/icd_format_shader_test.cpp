@@ -78,7 +78,7 @@ TEST(IcdFormatShader, EveryTexelBufferFormat) {
            "void main() { int i = int(gl_GlobalInvocationID.x); " + body + " }";
   };
   for (const cts::FormatInfo* format : uniform) {
-    const auto texels = client.buffer(size_t{kCount} * format->bytes);
+    const auto texels = client.uniform_texels(size_t{kCount} * format->bytes);
     const std::vector<uint8_t> data = random_bytes(size_t{kCount} * format->bytes, random);
     std::memcpy(texels.data, data.data(), data.size());
     const std::string prefix = glsl_prefix(*format);

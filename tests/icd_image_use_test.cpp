@@ -82,45 +82,54 @@ TEST(IcdImageUse, ExtendedUsage) {
   client.dispatch(std::string(kHead) + R"(layout(binding = 0) writeonly uniform image2D t;
 void main() { int i = int(gl_GlobalInvocationID.x); imageStore(t, ivec2(i % 8, i / 8), vec4(vec3(i * 4) / 255.0, i / 255.0)); })",
                   {{storage_image(client.view(image, VK_FORMAT_R8G8B8A8_UNORM))}}, 1);
+  const VkImageViewUsageCreateInfo sampled{VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO, nullptr, VK_IMAGE_USAGE_SAMPLED_BIT};
+  const VkImageView encoded = client.view(image, VK_FORMAT_R8G8B8A8_SRGB, VK_IMAGE_VIEW_TYPE_2D, ImageClient::all(), &sampled);
   const auto out = client.buffer(kCount * 16);
   client.dispatch(std::string(kHead) + R"(layout(binding = 0) uniform sampler2D t;
 layout(std430, binding = 1) writeonly buffer O { vec4 o[]; };
 void main() { int i = int(gl_GlobalInvocationID.x); o[i] = texelFetch(t, ivec2(i % 8, i / 8), 0); })",
-                  {{sampled_image(client.view(image, VK_FORMAT_R8G8B8A8_SRGB), client.nearest_sampler())}, {storage_buffer(out)}},
-                  1);
+                  {{sampled_image(encoded, client.nearest_sampler())}, {storage_buffer(out)}}, 1);
   for (uint32_t i = 0; i < kCount; ++i) {
     ASSERT_NEAR(out.as<float>()[4 * i], cts::srgb_to_linear(4 * i / 255.0), 1e-6);
     ASSERT_NEAR(out.as<float>()[4 * i + 3], i / 255.0, 1e-7);
   }
 }
 
-// Slices of a level of a volume as an array, sampled.
-TEST(IcdImageUse, ArraysOfSlices) {
+// A slice of a level of a volume as a 2D image, stored to and sampled (VK_EXT_image_2d_view_of_3d).
+TEST(IcdImageUse, SlicesAreImages) {
   ImageClient client;
   std::mt19937 random(kSeed);
   const VkImage volume = client.make({.format = VK_FORMAT_R32_UINT,
-                                      .extent = {8, 4, 16},
+                                      .extent = {16, 8, 16},
                                       .type = VK_IMAGE_TYPE_3D,
                                       .levels = 2,
-                                      .flags = VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT});
-  const std::vector<uint8_t> data = random_bytes(4 * 2 * 8 * 4, random);  // level 1: 4x2x8
-  client.upload(volume, data, color_layers(1), {4, 2, 8});
-  const VkImageView view =
-      client.view(volume, VK_FORMAT_R32_UINT, VK_IMAGE_VIEW_TYPE_2D_ARRAY, {VK_IMAGE_ASPECT_COLOR_BIT, 1, 1, 3, 4});
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT,
+                                      .flags = VK_IMAGE_CREATE_2D_VIEW_COMPATIBLE_BIT_EXT});
+  std::vector<uint8_t> data = random_bytes(8 * 4 * 8 * 4, random);  // level 1: 8x4x8
+  client.upload(volume, data, color_layers(1), {8, 4, 8});
+  const auto slice = [&](uint32_t z) {
+    return client.view(volume, VK_FORMAT_R32_UINT, VK_IMAGE_VIEW_TYPE_2D, {VK_IMAGE_ASPECT_COLOR_BIT, 1, 1, z, 1});
+  };
   const auto out = client.buffer(kCount * 16);
-  client.dispatch(std::string(kHead) + R"(layout(binding = 0) uniform usampler2DArray t;
-layout(std430, binding = 1) writeonly buffer O { uvec4 o[]; };
-void main() { int i = int(gl_GlobalInvocationID.x);
-  o[i] = uvec4(texelFetch(t, ivec3(i % 4, i / 4 % 2, i / 8), 0).x, textureSize(t, 0)); })",
-                  {{sampled_image(view, client.nearest_sampler())}, {storage_buffer(out)}}, 1);
-  const auto* texels = reinterpret_cast<const uint32_t*>(data.data());
+  client.dispatch(std::string(kHead) + R"(layout(binding = 0) uniform usampler2D from;
+layout(binding = 1, r32ui) uniform uimage2D to;
+layout(std430, binding = 2) writeonly buffer O { uvec4 o[]; };
+void main() { int i = int(gl_GlobalInvocationID.x); ivec2 p = ivec2(i % 8, i / 8);
+  o[i] = uvec4(texelFetch(from, p, 0).x, textureSize(from, 0), imageSize(to).y);
+  imageStore(to, p, uvec4(7000 + i)); })",
+                  {{sampled_image(slice(3), client.nearest_sampler())}, {storage_image(slice(6))}, {storage_buffer(out)}}, 1);
+  const std::vector<uint8_t> got = client.download(volume, data.size(), color_layers(1), {8, 4, 8});
   for (uint32_t i = 0; i < 32; ++i) {
-    const uint32_t* got = out.as<uint32_t>() + 4 * i;
-    ASSERT_EQ(got[0], texels[3 * 8 + i]);
-    ASSERT_EQ(got[1], 4u);
-    ASSERT_EQ(got[2], 2u);
-    ASSERT_EQ(got[3], 4u);
+    uint32_t word;
+    std::memcpy(&word, &data[(3 * 32 + i) * 4], 4);
+    ASSERT_EQ(out.as<uint32_t>()[4 * i], word);
+    ASSERT_EQ(out.as<uint32_t>()[4 * i + 1], 8u);
+    ASSERT_EQ(out.as<uint32_t>()[4 * i + 2], 4u);
+    ASSERT_EQ(out.as<uint32_t>()[4 * i + 3], 4u);
+    word = 7000 + i;
+    std::memcpy(&data[(6 * 32 + i) * 4], &word, 4);
   }
+  ASSERT_EQ(got, data);  // rows 4 to 7 of the shader's grid were outside and stored nothing
 }
 
 // A volume of blocks, a part of whose slices is written after the others.
@@ -487,7 +496,7 @@ struct IndexingClient : ImageClient {
     VkDescriptorSetVariableDescriptorCountLayoutSupport variable{
         VK_STRUCTURE_TYPE_DESCRIPTOR_SET_VARIABLE_DESCRIPTOR_COUNT_LAYOUT_SUPPORT};
     VkDescriptorSetLayoutSupport support{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_SUPPORT, &variable};
-    VK(*this, GetDescriptorSetLayoutSupport)(device, &info, &support);
+    VK(*this, GetDescriptorSetLayoutSupportKHR)(device, &info, &support);
     EXPECT_TRUE(support.supported);
     most = variable.maxVariableDescriptorCount;
     VkDescriptorSetLayout out = VK_NULL_HANDLE;

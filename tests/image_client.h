@@ -46,8 +46,10 @@ inline Resource sampled_image(VkImageView view, VkSampler sampler) {
 struct ImageFeatures {
   VkPhysicalDevice4444FormatsFeaturesEXT four{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_4444_FORMATS_FEATURES_EXT, nullptr, VK_TRUE,
                                               VK_TRUE};
-  VkPhysicalDeviceSamplerYcbcrConversionFeatures ycbcr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES, &four,
-                                                       VK_TRUE};
+  VkPhysicalDeviceImage2DViewOf3DFeaturesEXT slices{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_2D_VIEW_OF_3D_FEATURES_EXT, &four,
+                                                    VK_TRUE, VK_TRUE};
+  VkPhysicalDeviceSamplerYcbcrConversionFeatures ycbcr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES,
+                                                       &slices, VK_TRUE};
   VkPhysicalDeviceDescriptorIndexingFeatures indexing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_FEATURES, &ycbcr};
   VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &indexing, {}};
 
@@ -69,13 +71,13 @@ struct ImageFeatures {
 class ImageClient : public PipelineClient {
  public:
   ImageClient()
-      : PipelineClient(
-            nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME},
-            {VK_KHR_MAINTENANCE_1_EXTENSION_NAME, VK_KHR_MAINTENANCE_2_EXTENSION_NAME, VK_KHR_MAINTENANCE_3_EXTENSION_NAME,
-             VK_KHR_BIND_MEMORY_2_EXTENSION_NAME, VK_KHR_GET_MEMORY_REQUIREMENTS_2_EXTENSION_NAME,
-             VK_KHR_SAMPLER_YCBCR_CONVERSION_EXTENSION_NAME, VK_KHR_SAMPLER_MIRROR_CLAMP_TO_EDGE_EXTENSION_NAME,
-             VK_EXT_DESCRIPTOR_INDEXING_EXTENSION_NAME, VK_EXT_4444_FORMATS_EXTENSION_NAME},
-            &ImageFeatures::get().core) {
+      : PipelineClient(nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME},
+                       {VK_KHR_MAINTENANCE_1_EXTENSION_NAME, VK_KHR_MAINTENANCE_2_EXTENSION_NAME,
+                        VK_KHR_MAINTENANCE_3_EXTENSION_NAME, VK_KHR_BIND_MEMORY_2_EXTENSION_NAME,
+                        VK_KHR_GET_MEMORY_REQUIREMENTS_2_EXTENSION_NAME, VK_KHR_SAMPLER_YCBCR_CONVERSION_EXTENSION_NAME,
+                        VK_KHR_SAMPLER_MIRROR_CLAMP_TO_EDGE_EXTENSION_NAME, VK_EXT_DESCRIPTOR_INDEXING_EXTENSION_NAME,
+                        VK_EXT_4444_FORMATS_EXTENSION_NAME, VK_EXT_IMAGE_2D_VIEW_OF_3D_EXTENSION_NAME},
+                       &ImageFeatures::get().core) {
     EXPECT_EQ(result, VK_SUCCESS);
   }
   using PipelineClient::view;
@@ -140,6 +142,22 @@ class ImageClient : public PipelineClient {
     VkSampler out = VK_NULL_HANDLE;
     EXPECT_EQ(VK(*this, CreateSampler)(device, &info, nullptr, &out), VK_SUCCESS);
     defer([this, out] { VK(*this, DestroySampler)(device, out, nullptr); });
+    return out;
+  }
+
+  // A buffer for uniform texels alone: whoever allows storage texels too needs a format that has both.
+  Buffer uniform_texels(VkDeviceSize size_bytes) {
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = size_bytes;
+    info.usage = VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    Buffer out;
+    EXPECT_EQ(VK(*this, CreateBuffer)(device, &info, nullptr, &out.handle), VK_SUCCESS);
+    VkMemoryRequirements requirements;
+    VK(*this, GetBufferMemoryRequirements)(device, out.handle, &requirements);
+    void* mapped = nullptr;
+    EXPECT_EQ(VK(*this, BindBufferMemory)(device, out.handle, memory(requirements.size, &mapped), 0), VK_SUCCESS);
+    out.data = static_cast<uint8_t*>(mapped);
+    defer([this, handle = out.handle] { VK(*this, DestroyBuffer)(device, handle, nullptr); });
     return out;
   }
 

@@ -279,7 +279,7 @@ class Bench {
     for (const auto& [label, logs] : log_ratios_) {
       double sum = 0;
       for (const double log : logs) sum += log;
-      fmt::print("\n{} is {:.2f} times faster than {} in the geometric mean of {} rows (all but {})\n", label,
+      fmt::print("\n{} is {:.2f} times faster than {} in the geometric mean of {} rows (all but {} and host-*)\n", label,
                  std::exp(sum / static_cast<double>(logs.size())), drivers_.back()->label(), logs.size(), kNotInMean);
     }
   }
