@@ -18,5 +18,10 @@ for variable in $(grep -ohE 'PINEDA_[A-Z]+' README.md ARCHITECTURE.md | sort -u)
   grep -rqF "$variable" base/config.cpp || fail "no such variable: $variable"
 done
 
+# PINEDA_DEBUG=help prints every variable that is read, and every flag that there is (their table is what is parsed).
+for variable in $(grep -ohE '"PINEDA_[A-Z_]+"' base/config.cpp | tr -d '"' | sort -u); do
+  grep -qE "^ +\"  $variable" base/config.cpp || fail "not in PINEDA_DEBUG=help: $variable"
+done
+
 [ "$failures" -eq 0 ] && echo "the documents name nothing that is not there"
 exit "$((failures > 0))"
