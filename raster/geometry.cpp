@@ -146,8 +146,8 @@ GeometryWorker::BatchView GeometryWorker::add_clipped(const Draw& draw, Route ro
     }
   }
   for (uint32_t i = 0; i < padded; i += kLanes) {
-    transform_wave(draw.viewport_at(route.viewport), draw.packet.outputs, clip_vertices_ + size_t{first + i} * slots,
-                   clip_window_, first + i);
+    transform_(draw.viewport_at(route.viewport), draw.packet.outputs, clip_vertices_ + size_t{first + i} * slots, clip_window_,
+               first + i);
   }
   clip_used_ += padded;
   return view;
@@ -244,17 +244,14 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
   SmallSetup& group = small_group_;
   for (uint32_t base = 0; base < count; base += kLanes) {
     const uint32_t n = std::min(kLanes, count - base);
-    uint32_t inside = 0, clipped = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-      const std::array<uint16_t, 3>& v = batch_.prim(begin + base + i);
+    const uint32_t present = (1u << n) - 1;
+    small_gather_(w, batch_.prims(), begin + base, group);
+    uint32_t inside = group.unclipped & present, clipped = 0;
+    for (uint32_t others = present & ~inside; others != 0; others &= others - 1) {
+      const auto i = static_cast<uint32_t>(__builtin_ctz(others));
+      const std::array<uint16_t, 3> v = batch_.prim(begin + base + i);
       const uint32_t any = w.code[v[0]] | w.code[v[1]] | w.code[v[2]];
-      for (uint32_t k = 0; k < 3; ++k) {
-        group.x_fx8[k][i] = w.x_fx8[v[k]];
-        group.y_fx8[k][i] = w.y_fx8[v[k]];
-      }
-      if (any == 0) [[likely]] {
-        inside |= 1u << i;
-      } else if ((any & kClipDrop) == 0 && (w.code[v[0]] & w.code[v[1]] & w.code[v[2]]) == 0) {
+      if ((any & kClipDrop) == 0 && (w.code[v[0]] & w.code[v[1]] & w.code[v[2]]) == 0) {
         ((any & ~cull_codes) == 0 ? inside : clipped) |= 1u << i;
       }
     }
@@ -268,7 +265,7 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
       const auto i = static_cast<uint32_t>(__builtin_ctz(left));
       const uint64_t number = first + begin + base + i;
       const auto id = static_cast<uint32_t>(number < draw.prims_per_instance ? number : number % draw.prims_per_instance);
-      const std::array<uint16_t, 3>& v = batch_.prim(begin + base + i);
+      const std::array<uint16_t, 3> v = batch_.prim(begin + base + i);
       if (clipped >> i & 1) {
         ++statistics.triangles_clipped;
         clip(draw, view, id, v);
@@ -337,7 +334,7 @@ void GeometryWorker::transform_to_viewports(const Draw& draw, uint32_t count) {
     std::unique_ptr<WindowVertices>& window = windows_[viewport];
     if (!window) window = std::make_unique<WindowVertices>();
     for (uint32_t first = 0; first < batch_.vertex_count(); first += kLanes) {
-      transform_wave(draw.viewport_at(viewport), draw.packet.outputs, view.vertices + size_t{first} * view.slots, *window, first);
+      transform_(draw.viewport_at(viewport), draw.packet.outputs, view.vertices + size_t{first} * view.slots, *window, first);
     }
   }
 }
@@ -368,7 +365,7 @@ void GeometryWorker::run_routed(const Draw& draw, const BatchView& view, uint64_
 }
 
 void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
-  const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_);
+  const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_, transform_);
   statistics.vertices_shaded += vertices;
   statistics.triangles_in += count;
   const BatchView view{
@@ -414,6 +411,8 @@ void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count)
 
 uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ranges, const Options& options, Chunk& chunk) {
   const size_t max_entries = options.max_chunk_entries;
+  transform_ = transform_function(options.isa);
+  small_gather_ = small_gather_function(options.isa);
   small_setup_ = small_setup_function(options.isa);
   chunk_ = &chunk;
   clip_draw_ = nullptr;

@@ -84,6 +84,8 @@ class GeometryWorker {
 
   Chunk* chunk_ = nullptr;
   Binner binner_;
+  TransformFn transform_ = nullptr;
+  SmallGatherFn small_gather_ = nullptr;
   SmallSetupFn small_setup_ = nullptr;
   SmallSetup small_group_{};
   VertexBatch batch_;

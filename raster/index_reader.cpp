@@ -44,7 +44,7 @@ void IndexReader::read(uint64_t first, uint32_t count, uint32_t* out) const {
       widen<uint16_t>(data, inside, out);
       break;
     default:
-      widen<uint32_t>(data, inside, out);
+      if (inside != 0) std::memcpy(out, data, inside * sizeof(uint32_t));
       break;
   }
   std::fill(out + inside, out + count, 0u);

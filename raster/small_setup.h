@@ -7,12 +7,14 @@
 
 #include "raster/geometry_types.h"
 #include "raster/options.h"
+#include "raster/transform.h"
 
 namespace pineda::raster {
 
 struct alignas(64) SmallSetup {
   // in: window coordinates of vertex k of triangle i at [k][i]
   int32_t x_fx8[3][16], y_fx8[3][16];
+  uint32_t unclipped;  // bit i: no vertex of triangle i has a clip code
   // out
   int32_t x0[16], y0[16], x1[16], y1[16];  // pixels that may be covered, inside the draw's rectangle
   uint32_t small;                          // bit i: triangle i is small; the rest says nothing of others
@@ -20,6 +22,10 @@ struct alignas(64) SmallSetup {
   uint32_t clockwise;                      // on the screen
   uint32_t averted, missed;                // small, not outside, but culled by its face; not culled, but without a sample
 };
+
+// Fills in the vertices of 16 triangles from number `first` on.
+using SmallGatherFn = void (*)(const WindowVertices& window, const BatchPrims& prims, uint32_t first, SmallSetup& group);
+SmallGatherFn small_gather_function(Isa isa);
 
 struct SmallSetupState {
   Rect rect;  // of the draw

@@ -82,5 +82,37 @@ TEST(SmallSetup, LargeTrianglesAreNotSmall) {
   }
 }
 
+TEST(SmallSetup, GathersTheVerticesOfEachTriangle) {
+  static WindowVertices window;
+  static BatchPrims prims;
+  std::mt19937 rng(52);
+  for (uint32_t v = 0; v < kBatchVertices; ++v) {
+    window.x_fx8[v] = static_cast<int32_t>(rng());
+    window.y_fx8[v] = static_cast<int32_t>(rng());
+    window.code[v] = rng() % 8 == 0 ? static_cast<uint16_t>(1u << rng() % 16) : uint16_t{0};
+  }
+  for (auto& vertex : prims.vertex) {
+    for (uint16_t& v : vertex) v = static_cast<uint16_t>(rng() % kBatchVertices);
+  }
+  prims.vertex[2][17] = kBatchVertices - 1;  // the last word
+  for (const Isa isa : {Isa::kSse42, Isa::kAvx2, Isa::kAvx512}) {
+    if (isa > best_isa()) continue;
+    for (uint32_t first = 0; first < kBatchPrims; first += 16) {
+      SmallSetup group{};
+      small_gather_function(isa)(window, prims, first, group);
+      for (uint32_t i = 0; i < 16; ++i) {
+        uint32_t codes = 0;
+        for (int k = 0; k < 3; ++k) {
+          const uint16_t v = prims.vertex[k][first + i];
+          ASSERT_EQ(group.x_fx8[k][i], window.x_fx8[v]);
+          ASSERT_EQ(group.y_fx8[k][i], window.y_fx8[v]);
+          codes |= window.code[v];
+        }
+        ASSERT_EQ((group.unclipped >> i & 1) != 0, codes == 0);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pineda::raster
