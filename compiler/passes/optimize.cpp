@@ -65,6 +65,11 @@ void optimize(ir::Kernel& k, Form form, Precision precision) {
   }
   cse(k);
   dce(k);
+  while (form == Form::kMachine && unroll(k)) {  // a loop around others when they are gone
+    fold(k, form);
+    cse(k);
+    dce(k);
+  }
   rates(k);
   flatten_ifs(k);
   narrow_loops(k);

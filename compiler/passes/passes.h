@@ -28,6 +28,9 @@ void fold(ir::Kernel& k, Form form = Form::kMachine);
 // Common subexpressions, scoped by region; loads too.
 void cse(ir::Kernel& k);
 
+// Short loops whose number of turns is constant become straight code, for fold and cse to follow. Whether there were any.
+bool unroll(ir::Kernel& k);
+
 // Ifs whose sides are short and pure become selects. Wants rates().
 void flatten_ifs(ir::Kernel& k);
 

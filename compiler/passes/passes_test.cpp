@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compiler/passes/rewrite.h"
 #include "compiler/passes/test_text.h"
 
 namespace pineda::passes {
@@ -281,6 +282,80 @@ TEST(FlattenIfs, ShortPureSidesBecomeSelects) {
   }
   %11 = result i32 %9, 0
 )");
+}
+
+// ---- unroll ---------------------------------------------------------------------------------------------------------------
+
+// for (y = 0; y < 3; ++y) for (x = 0; x < 2; ++x) sum += 10 * y + x, in the form that SPIR-V's loops come in, with break flags.
+TEST(Unroll, NestedLoopsWithConstantCountersBecomeTheirSum) {
+  const std::string out = run_on_text(R"(%z = const i32 0
+%n = const i32 1
+%2 = const i32 2
+%3 = const i32 3
+%10 = const i32 10
+%f = const b1 false
+%o = loop %z, %z, %f {
+  %s = loop_arg i32 0
+  %y = loop_arg i32 1
+  %b = loop_arg b1 2
+  %c = slt b1 %y, %3
+  %i = if %c {
+    %u = loop %s, %z {
+      %t = loop_arg i32 0
+      %x = loop_arg i32 1
+      %m = imul i32 %y, %10
+      %a = iadd i32 %m, %x
+      %w = iadd i32 %t, %a
+      %k = iadd i32 %x, %n
+      %g = ult b1 %k, %2
+      yield %g, %w, %k
+    }
+    %v = result i32 %u, 0
+    yield %v
+  } else {
+    yield %s
+  }
+  %r = result i32 %i, 0
+  %d = not b1 %c
+  %e = or b1 %d, %b
+  %h = not b1 %b
+  %j = and b1 %c, %h
+  %q = iadd i32 %y, %n
+  yield %j, %r, %q, %e
+}
+%l = result i32 %o, 0
+%p = wave_ptr ptr
+store %p, %z, %l
+)",
+                                      [](ir::Kernel& k) {
+                                        while (unroll(k)) fold(k);
+                                        dce(k);
+                                        compact(k);
+                                      });
+  EXPECT_EQ(out, R"(wave:
+  %1 = const i32 0
+  %2 = wave_ptr ptr
+  %3 = const i32 63
+  store %2, %1, %3
+)");
+}
+
+TEST(Unroll, LoopsThatDependOnWhatIsReadStay) {
+  const std::string out = run_on_text(R"(%p = wave_ptr ptr
+%z = const i32 0
+%n = const i32 1
+%x = load i32 %p, %z
+%u = loop %z {
+  %i = loop_arg i32 0
+  %k = iadd i32 %i, %n
+  %g = ult b1 %k, %x
+  yield %g, %k
+}
+%v = result i32 %u, 0
+store %p, %z, %v
+)",
+                                      [](ir::Kernel& k) { EXPECT_FALSE(unroll(k)); });
+  EXPECT_NE(out.find("loop"), std::string::npos);
 }
 
 // ---- narrow_loops ---------------------------------------------------------------------------------------------------------

@@ -26,6 +26,12 @@ const NamedPass kPasses[] = {
     {"hoist", hoist},
     {"hoist_loops", hoist_loops},
     {"rates", rates},
+    {"unroll",
+     [](ir::Kernel& k) {
+       ssa(k);
+       dce(k);
+       while (unroll(k)) fold(k);
+     }},
     {"flatten_ifs",
      [](ir::Kernel& k) {
        ssa(k);  // whose Results make for pure sides
