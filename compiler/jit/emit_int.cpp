@@ -1,4 +1,6 @@
 // Integer operations. Semantics: ops.inc.
+#include <array>
+
 #include "compiler/jit/emitter.h"
 
 namespace pineda::jit {
@@ -183,8 +185,25 @@ Emitter::V Emitter::emit_int_convert(const ir::Inst& inst) {
     case Op::kSExt:
       return b_.CreateSExt(a, to);
     default:
+      if (is_vector(a) && inst.type == Type::kI32) return low_words(inst, a);
       return b_.CreateTrunc(a, to);
   }
+}
+
+// I64 to I32 in lanes: every other word of the register. Said as a shuffle, LLVM makes one instruction of it where a truncation
+// is three, and one for the upper words too (a pair of texels comes as one I64).
+Emitter::V Emitter::low_words(const ir::Inst& inst, V a) {
+  int first = 0;
+  const ir::Inst& def = kernel_.at(inst.operand[0]);
+  if (def.op == Op::kLShr && is_lane(def.operand[0]) && kernel_.at(def.operand[1]).op == Op::kConst &&
+      kernel_.at(def.operand[1]).imm == 32) {
+    a = vector(def.operand[0]);
+    first = 1;
+  }
+  V words = b_.CreateBitCast(a, llvm::FixedVectorType::get(b_.getInt32Ty(), 2 * kLanes));
+  std::array<int, kLanes> picked;
+  for (int l = 0; l < static_cast<int>(kLanes); ++l) picked[l] = 2 * l + first;
+  return b_.CreateShuffleVector(words, picked);
 }
 
 }  // namespace pineda::jit

@@ -165,6 +165,7 @@ class Emitter {
   V emit_shift(const ir::Inst& inst);
   V emit_int_compare(const ir::Inst& inst);
   V emit_int_convert(const ir::Inst& inst);
+  V low_words(const ir::Inst& inst, V a);
 
   // ---- emit_float.cpp
   V emit_float(const ir::Inst& inst);

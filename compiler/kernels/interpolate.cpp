@@ -90,7 +90,12 @@ Barycentrics Interpolator::barycentrics(Builder& b, const PixelOffset& offset) c
   const Value iw0 = prim_f32(b, offsetof(FragmentPrim, iw0)), iw1 = prim_f32(b, offsetof(FragmentPrim, iw1));
   const Value iw2 = prim_f32(b, offsetof(FragmentPrim, iw2));
   at.inverse_w = b.fma(at.l2, b.fsub(iw2, iw0), b.fma(at.l1, b.fsub(iw1, iw0), iw0));
-  const Value w = b.fdiv(b.f32(1), at.inverse_w);
+  // With one w at all vertices (screen-aligned and orthographic pictures) both slopes above are zero and inverse_w is iw0 itself,
+  // so one division for the primitive gives the same bits.
+  const Value flat = b.and_(b.feq(iw0, iw1), b.feq(iw0, iw2));
+  const Value w = b.if_else(
+      flat, {Type::kF32}, [&] { return std::vector{b.fdiv(b.f32(1), iw0)}; },
+      [&] { return std::vector{b.fdiv(b.f32(1), at.inverse_w)}; })[0];
   at.b1 = b.fmul(b.fmul(at.l1, iw1), w);
   at.b2 = b.fmul(b.fmul(at.l2, iw2), w);
   return at;

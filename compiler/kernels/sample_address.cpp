@@ -67,14 +67,23 @@ Value modulo(Builder& b, Value i, Value n) {
   return b.select(b.slt(r, b.i32(0)), b.iadd(r, n), r);
 }
 
+// (i + offset) modulo n for i in [-1, n]: the offset alone is divided, once for both texels and, where it is a constant, once for
+// the whole draw. Of j, j + n and j - n, taken as unsigned numbers, the one in [0, n) is the least.
+Value wrap_moved(Builder& b, const AxisRequest& axis, Value i, Value n) {
+  const Value j = b.iadd(i, modulo(b, offset_i32(b, axis), n));
+  return b.umin(b.umin(j, b.iadd(j, n)), b.isub(j, n));
+}
+
 Value wrap_integer(Builder& b, const AxisRequest& axis, Value i) {
-  if (has_offset(axis)) i = b.iadd(i, offset_i32(b, axis));
-  if (is_repeat(axis)) return modulo(b, i, axis.size.texels);
-  if (is_mirror_clamped(axis)) return b.umin(b.xor_(i, b.ashr(i, b.i32(31))), last_texel(b, axis));  // i or -(1 + i)
+  if (is_repeat(axis)) return wrap_moved(b, axis, i, axis.size.texels);  // wraps integers only when there is an offset
+  if (is_mirror_clamped(axis)) {
+    if (has_offset(axis)) i = b.iadd(i, offset_i32(b, axis));
+    return b.umin(b.xor_(i, b.ashr(i, b.i32(31))), last_texel(b, axis));  // i or -(1 + i)
+  }
   const Value period = b.shl(axis.size.texels, b.i32(1));
   Value j;
   if (has_offset(axis)) {
-    j = modulo(b, i, period);
+    j = wrap_moved(b, axis, i, period);
   } else {  // -1 .. period
     j = b.select(b.slt(i, b.i32(0)), b.iadd(i, period), i);
     j = b.select(b.slt(j, period), j, b.isub(j, period));
@@ -95,6 +104,11 @@ Bounded bound(Builder& b, const AxisRequest& axis, Value i) {
 
 }  // namespace
 
+// Adding 1.5 * 2^23 leaves the integer in the low bits.
+Value round_small(Builder& b, Value x) {
+  return b.isub(b.op(Op::kBitcast, Type::kI32, {b.fadd(x, b.f32(0x1.8p23))}), b.i32(0x4B400000));
+}
+
 NearestTexel nearest_texel(Builder& b, const AxisRequest& axis) {
   const Position p = position(b, axis);
   const Value s = p.scale ? b.fmul(p.value, p.scale) : p.value;
@@ -112,7 +126,7 @@ namespace {
 LinearPosition lower_texel(Builder& b, const AxisRequest& axis, const Position& p) {
   if (axis.unweighted) {
     const Value s = b.fma(p.value, p.scale ? p.scale : b.f32(1), b.f32(-0.5));
-    return {.i0 = b.convert(Op::kFToS, Type::kI32, b.ffloor(s)), .weight1 = {}, .weight1_fx8 = {}};
+    return {.i0 = round_small(b, b.ffloor(s)), .weight1 = {}, .weight1_fx8 = {}, .in_image = p.in_image};
   }
   constexpr double kRound = 0x1.8p23;
   const Value scale = p.scale ? b.fmul(p.scale, b.f32(256)) : b.f32(256);
@@ -120,21 +134,24 @@ LinearPosition lower_texel(Builder& b, const AxisRequest& axis, const Position& 
   const Value fx8 = b.and_(bits, b.i32(255));
   return {.i0 = b.ashr(b.isub(bits, b.i32(0x4B400000)), b.i32(8)),
           .weight1 = b.fmul(b.convert(Op::kSToF, Type::kF32, fx8), b.f32(1.0 / 256)),
-          .weight1_fx8 = fx8};
+          .weight1_fx8 = fx8,
+          .in_image = p.in_image};
 }
 
 }  // namespace
 
 LinearPosition linear_position(Builder& b, const AxisRequest& axis) { return lower_texel(b, axis, position(b, axis)); }
 
-LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
-  const Position p = position(b, axis);
-  const LinearPosition lower = lower_texel(b, axis, p);
+Value texel_before_wrapping(Builder& b, const AxisRequest& axis, const LinearPosition& position) {
+  return wraps_integers(axis) && has_offset(axis) ? b.iadd(position.i0, offset_i32(b, axis)) : position.i0;
+}
+
+LinearTexels wrap_linear(Builder& b, const AxisRequest& axis, const LinearPosition& lower) {
   const Value i0 = lower.i0, i1 = b.iadd(i0, b.i32(1));
   LinearTexels out;
   out.weight1 = lower.weight1;
   out.weight1_fx8 = lower.weight1_fx8;
-  if (p.in_image) {  // i0 in [-1, size), i1 in [0, size]
+  if (lower.in_image) {  // i0 in [-1, size), i1 in [0, size]
     const Value last = last_texel(b, axis);
     out.i0 = is_repeat(axis) ? b.umin(i0, last) : b.smax(i0, b.i32(0));
     out.i1 = is_repeat(axis) ? b.select(b.slt(i1, axis.size.texels), i1, b.i32(0)) : b.umin(i1, last);
@@ -147,5 +164,7 @@ LinearTexels linear_texels(Builder& b, const AxisRequest& axis) {
   out.inside1 = high.inside;
   return out;
 }
+
+LinearTexels linear_texels(Builder& b, const AxisRequest& axis) { return wrap_linear(b, axis, linear_position(b, axis)); }
 
 }  // namespace pineda::kernels

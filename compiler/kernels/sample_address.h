@@ -8,6 +8,9 @@
 
 namespace pineda::kernels {
 
+// x rounded to the nearest even integer, for |x| < 2^22 and no NaN: in three instructions fewer than the saturating conversion.
+ir::Value round_small(ir::Builder& b, ir::Value x);
+
 struct AxisSize {
   ir::Value texels;  // I32, at least 1
   ir::Value texels_f32;
@@ -44,7 +47,13 @@ struct LinearPosition {
   ir::Value i0;           // I32
   ir::Value weight1;      // F32
   ir::Value weight1_fx8;  // I32
+  bool in_image = false;  // i0 is in [-1, size - 1]
 };
 LinearPosition linear_position(ir::Builder& b, const AxisRequest& axis);
+
+// linear_texels is wrap_linear of linear_position. Wrapping changes nothing where texel_before_wrapping gives a lower texel i
+// with i and i + 1 in the image.
+LinearTexels wrap_linear(ir::Builder& b, const AxisRequest& axis, const LinearPosition& position);
+ir::Value texel_before_wrapping(ir::Builder& b, const AxisRequest& axis, const LinearPosition& position);
 
 }  // namespace pineda::kernels

@@ -11,6 +11,12 @@ using ir::Op;
 using ir::Type;
 using ir::Value;
 
+namespace {
+
+constexpr std::array<Value, 1> kOneSlice{};  // of an image without depth
+
+}  // namespace
+
 Filter::Filter(Builder& b, const SampleSource& source, const spirv::SampleRequest& request, const FormatInfo& format)
     : b_(b),
       source_(source),
@@ -59,27 +65,33 @@ AxisRequest Filter::axis(const LevelView& level, uint32_t a, const Coordinates& 
 }
 
 Filter::Plane Filter::plane(const LevelView& level, const Coordinates& at) {
-  const LinearTexels x = linear_texels(b_, axis(level, 0, at));
-  Plane p{.column = {x.i0, x.i1},
-          .row = {},
-          .inside_x = {x.inside0, x.inside1},
-          .inside_y = {},
-          .weight_x = x.weight1,
-          .weight_y = {},
-          .weight_x_fx8 = x.weight1_fx8};
-  if (axes_ == 1) return p;
-  const LinearTexels y = linear_texels(b_, axis(level, 1, at));
-  p.row[0] = y.i0, p.row[1] = y.i1;
-  p.inside_y[0] = y.inside0, p.inside_y[1] = y.inside1;
-  p.weight_y = y.weight1;
+  Plane p{.axis = {}, .at = {}, .axes = std::min(axes_, 2u)};
+  for (uint32_t a = 0; a < p.axes; ++a) {
+    p.axis[a] = axis(level, a, at);
+    p.at[a] = linear_position(b_, p.axis[a]);
+  }
   return p;
+}
+
+Filter::Corners Filter::corners(const Plane& p) {
+  if (p.interior) {
+    const Value one = b_.i32(1), x = p.at[0].i0, y = p.at[1].i0;
+    return {.column = {x, b_.iadd(x, one)}, .row = {y, b_.iadd(y, one)}, .inside_x = {}, .inside_y = {}};
+  }
+  const LinearTexels x = wrap_linear(b_, p.axis[0], p.at[0]);
+  Corners c{.column = {x.i0, x.i1}, .row = {}, .inside_x = {x.inside0, x.inside1}, .inside_y = {}};
+  if (p.axes == 1) return c;
+  const LinearTexels y = wrap_linear(b_, p.axis[1], p.at[1]);
+  c.row[0] = y.i0, c.row[1] = y.i1;
+  c.inside_y[0] = y.inside0, c.inside_y[1] = y.inside1;
+  return c;
 }
 
 // ---- texels ---------------------------------------------------------------------------------------------------------------
 
 // One texel in filter units; the comparison's outcome when there is one.
-Channels Filter::read(Value offset_bytes, Value inside) {
-  Channels texel = reader_.read(offset_bytes, inside);
+Channels Filter::decode(const Words& words, Value inside) {
+  Channels texel = reader_.decode(words, inside);
   if (!reference_) return texel;
   const Value depth = reader_.finish(texel)[0];
   return {b_.select(compare(b_, state_.compare, reference_, depth), b_.f32(1), b_.f32(0))};
@@ -90,13 +102,89 @@ Value Filter::row_offset(const LevelView& level, Value y, Value z) {
   return layer_offset_ ? b_.iadd(offset, layer_offset_) : offset;
 }
 
-Filter::Taps Filter::read_plane(const LevelView& level, const Plane& p, Value z, Value inside_z) {
+// Whether no lane's footprint is wrapped or leaves the image; wave rate.
+Value Filter::is_interior(const LevelView& level, const Plane& p) {
+  Value inside;
+  for (uint32_t a = 0; a < p.axes; ++a) {
+    const Value i = texel_before_wrapping(b_, p.axis[a], p.at[a]);
+    const Value fits = b_.ult(i, b_.isub(level.size[a].texels, b_.i32(1)));
+    inside = inside ? b_.and_(inside, fits) : fits;
+  }
+  return b_.ieq(b_.ballot(b_.not_(inside)), b_.i32(0));
+}
+
+Filter::TapWords Filter::read_apart(const LevelView& level, const Plane& p, Value z) {
+  const Corners c = corners(p);
+  const Value column[2] = {reader_.column_offset(c.column[0]), reader_.column_offset(c.column[1])};
+  TapWords words{};
+  for (uint32_t row = 0; row < p.axes; ++row) {
+    const Value offset = row_offset(level, c.row[row], z);
+    for (uint32_t i = 0; i < 2; ++i) words[2 * row + i] = reader_.read_words(b_.iadd(offset, column[i]));
+  }
+  return words;
+}
+
+// Of an interior footprint: where its first texel is.
+Value Filter::pair_offset(const LevelView& level, const Plane& p, Value z) {
+  const Value x = texel_before_wrapping(b_, p.axis[0], p.at[0]);
+  const Value y = p.axes == 2 ? texel_before_wrapping(b_, p.axis[1], p.at[1]) : Value{};
+  return b_.iadd(row_offset(level, y, z), reader_.column_offset(x));
+}
+
+// The two texels of a row follow each other, and so do the rows.
+Filter::TapWords Filter::read_in_pairs(const LevelView& level, const Plane& p, Value offset) {
+  TapWords words{};
+  std::array<Words, 2> pair = reader_.read_pair(offset);
+  words[0] = pair[0], words[1] = pair[1];
+  if (p.axes == 1) return words;
+  if (state_.single_level) {  // the pitch is the same for all lanes
+    pair = reader_.read_pair(offset, level.row_pitch_bytes);
+  } else {
+    pair = reader_.read_pair(b_.iadd(offset, level.row_pitch_bytes));
+  }
+  words[2] = pair[0], words[3] = pair[1];
+  return words;
+}
+
+// The footprint's texels in one slice or two. Most waves lie inside of the image: they need no wrapping and half the accesses.
+std::vector<Filter::TapWords> Filter::read_words(const LevelView& level, const Plane& p, std::span<const Value> slices) {
+  std::vector<TapWords> out;
+  if (!reader_.reads_pairs()) {
+    for (const Value z : slices) out.push_back(read_apart(level, p, z));
+    return out;
+  }
+  std::vector<Value> offset;  // in front of the branch, where neighbouring samples share its parts
+  for (const Value z : slices) offset.push_back(pair_offset(level, p, z));
+  if (p.interior) {
+    for (const Value at : offset) out.push_back(read_in_pairs(level, p, at));
+    return out;
+  }
+  const uint32_t taps = 2 * p.axes;
+  const auto list = [&](const auto& read) {
+    std::vector<Value> words;
+    for (size_t slice = 0; slice < slices.size(); ++slice) {
+      const TapWords tap = read(slice);
+      for (uint32_t i = 0; i < taps; ++i) words.push_back(tap[i][0]);
+    }
+    return words;
+  };
+  const std::vector<Value> words = b_.if_else(
+      is_interior(level, p), std::vector<Type>(taps * slices.size(), Type::kI32),
+      [&] { return list([&](size_t slice) { return read_in_pairs(level, p, offset[slice]); }); },
+      [&] { return list([&](size_t slice) { return read_apart(level, p, slices[slice]); }); });
+  for (size_t slice = 0; slice < slices.size(); ++slice) {
+    TapWords& tap = out.emplace_back();
+    for (uint32_t i = 0; i < taps; ++i) tap[i][0] = words[slice * taps + i];
+  }
+  return out;
+}
+
+Filter::Taps Filter::decode_plane(const TapWords& words, const Plane& p, Value inside_z) {
   const auto both = [&](Value v, Value w) { return v && w ? b_.and_(v, w) : v ? v : w; };
-  const Value column[2] = {reader_.column_offset(p.column[0]), reader_.column_offset(p.column[1])};
+  const Corners c = corners(p);  // only `inside` is used
   Taps taps{};
-  for (uint32_t row = 0; row < (axes_ == 1 ? 1 : 2); ++row) {
-    const Value offset = row_offset(level, p.row[row], z), inside_row = both(p.inside_y[row], inside_z);
-    for (uint32_t i = 0; i < 2; ++i) taps[2 * row + i] = read(b_.iadd(offset, column[i]), both(p.inside_x[i], inside_row));
+  for (uint32_t tap = 0; tap < 2 * p.axes; ++tap) {
+    taps[tap] = decode(words[tap], both(c.inside_x[tap & 1], both(c.inside_y[tap >> 1], inside_z)));
   }
   return taps;
 }
@@ -120,15 +208,15 @@ Channels Filter::blend(const Channels& first, const Channels& second, Value weig
 // Weights are multiples of 2^-16 that add up to one; in code units of 8-bit formats no step rounds.
 Channels Filter::weighted(const Taps& taps, const Plane& p) {
   if (reduces_) {
-    const Channels upper = blend(taps[0], taps[1], p.weight_x);
-    return axes_ == 1 ? upper : blend(upper, blend(taps[2], taps[3], p.weight_x), p.weight_y);
+    const Channels upper = blend(taps[0], taps[1], p.weight_x());
+    return p.axes == 1 ? upper : blend(upper, blend(taps[2], taps[3], p.weight_x()), p.weight_y());
   }
   const Value one = b_.f32(1);
-  const Value wx[2] = {b_.fsub(one, p.weight_x), p.weight_x};
-  const Value wy[2] = {p.weight_y ? b_.fsub(one, p.weight_y) : one, p.weight_y};
+  const Value wx[2] = {b_.fsub(one, p.weight_x()), p.weight_x()};
+  const Value wy[2] = {p.axes == 2 ? b_.fsub(one, p.weight_y()) : one, p.weight_y()};
   Channels sum{};
-  for (uint32_t tap = 0; tap < (axes_ == 1 ? 2 : 4); ++tap) {
-    const Value weight = axes_ == 1 ? wx[tap & 1] : b_.fmul(wx[tap & 1], wy[tap >> 1]);
+  for (uint32_t tap = 0; tap < 2 * p.axes; ++tap) {
+    const Value weight = p.axes == 1 ? wx[tap & 1] : b_.fmul(wx[tap & 1], wy[tap >> 1]);
     for (const uint32_t c : present()) {
       sum[c] = sum[c] ? b_.fma(taps[tap][c], weight, sum[c]) : b_.fmul(taps[tap][c], weight);
     }
@@ -149,19 +237,18 @@ bool Filter::packs() const {
 }
 
 // What weighted() computes, in integers while they are small: both are exact.
-Channels Filter::weighted_bytes(const LevelView& level, const Plane& p, Value z) {
+Channels Filter::weighted_bytes(const TapWords& words, const Plane& p) {
   const Value low = b_.i32(0xFFFF), high = b_.i32(0xFFFF0000), bytes = b_.i32(0x00FF00FF), shift16 = b_.i32(16),
               shift8 = b_.i32(8);
-  const Value weights = b_.isub(b_.iadd(b_.shl(p.weight_x_fx8, shift16), b_.i32(256)), p.weight_x_fx8);  // 256 - w, w
-  const Value column[2] = {reader_.column_offset(p.column[0]), reader_.column_offset(p.column[1])};
+  const Value fx8 = p.at[0].weight1_fx8;
+  const Value weights = b_.isub(b_.iadd(b_.shl(fx8, shift16), b_.i32(256)), fx8);  // 256 - w, w
   Channels sum{};
-  for (uint32_t row = 0; row < (axes_ == 1 ? 1 : 2); ++row) {
-    const Value offset = row_offset(level, p.row[row], z);
-    const Value t0 = reader_.read_word(b_.iadd(offset, column[0])), t1 = reader_.read_word(b_.iadd(offset, column[1]));
+  for (uint32_t row = 0; row < p.axes; ++row) {
+    const Value t0 = words[2 * row][0], t1 = words[2 * row + 1][0];
     // bytes 0 and 1 of both texels, and bytes 2 and 3
     const Value halves[2] = {b_.or_(b_.and_(t0, low), b_.shl(t1, shift16)), b_.or_(b_.lshr(t0, shift16), b_.and_(t1, high))};
     Value weight = b_.f32(1.0 / 256);
-    if (axes_ != 1) weight = b_.fmul(row == 0 ? b_.fsub(b_.f32(1), p.weight_y) : p.weight_y, weight);
+    if (p.axes == 2) weight = b_.fmul(row == 0 ? b_.fsub(b_.f32(1), p.weight_y()) : p.weight_y(), weight);
     for (const uint32_t c : present()) {
       const uint32_t byte = format_.component[c].first_bit / 8;
       const Value half = halves[byte / 2];
@@ -173,17 +260,18 @@ Channels Filter::weighted_bytes(const LevelView& level, const Plane& p, Value z)
   return sum;
 }
 
-Channels Filter::linear_plane(const LevelView& level, const Plane& p, Value z, Value inside_z) {
-  return packs() ? weighted_bytes(level, p, z) : weighted(read_plane(level, p, z, inside_z), p);
+Channels Filter::linear_plane(const TapWords& words, const Plane& p, Value inside_z) {
+  return packs() ? weighted_bytes(words, p) : weighted(decode_plane(words, p, inside_z), p);
 }
 
 Channels Filter::linear(const LevelView& level, const Coordinates& at) {
   if (cube_) return linear_on_cube(level, at);
   const Plane p = plane(level, at);
-  if (axes_ < 3) return linear_plane(level, p, {}, {});
+  if (axes_ < 3) return linear_plane(read_words(level, p, kOneSlice)[0], p, {});
   const LinearTexels z = linear_texels(b_, axis(level, 2, at));
-  const Channels first = linear_plane(level, p, z.i0, z.inside0);
-  return blend(first, linear_plane(level, p, z.i1, z.inside1), z.weight1);
+  const std::vector<TapWords> words = read_words(level, p, std::array{z.i0, z.i1});
+  const Channels first = linear_plane(words[0], p, z.inside0);
+  return blend(first, linear_plane(words[1], p, z.inside1), z.weight1);
 }
 
 Channels Filter::nearest(const LevelView& level, const Coordinates& at) {
@@ -200,14 +288,16 @@ Channels Filter::nearest(const LevelView& level, const Coordinates& at) {
 
 // ---- cubes ----------------------------------------------------------------------------------------------------------------
 
-Filter::Taps Filter::read_over_edges(const LevelView& level, const Plane& p) {
+Filter::Taps Filter::read_over_edges(const LevelView& level, const LinearPosition& x, const LinearPosition& y) {
+  const Value one = b_.i32(1);
+  const Value column[2] = {x.i0, b_.iadd(x.i0, one)}, row[2] = {y.i0, b_.iadd(y.i0, one)};
   Taps taps{};
   std::array<Value, 4> is_corner{};
   for (uint32_t tap = 0; tap < 4; ++tap) {
-    const CubeTexel t = fold(b_, face_, p.column[tap & 1], p.row[tap >> 1], level.size[0].texels);
+    const CubeTexel t = fold(b_, face_, column[tap & 1], row[tap >> 1], level.size[0].texels);
     const Value layer = array_layer_ ? b_.iadd(array_layer_, t.face) : t.face;
-    const Value row = b_.iadd(reader_.row_offset(level, t.j, {}), reader_.layer_offset(layer));
-    taps[tap] = read(b_.iadd(row, reader_.column_offset(t.i)), {});
+    const Value row_start = b_.iadd(reader_.row_offset(level, t.j, {}), reader_.layer_offset(layer));
+    taps[tap] = read(b_.iadd(row_start, reader_.column_offset(t.i)), {});
     is_corner[tap] = t.corner;
   }
   fill_corner(taps, is_corner);
@@ -226,21 +316,16 @@ void Filter::fill_corner(Taps& taps, const std::array<Value, 4>& is_corner) {
   }
 }
 
-// The footprint's columns and rows, which may lie one beyond the face.
+// The footprint's columns and rows may lie one beyond the face.
 Channels Filter::linear_on_cube(const LevelView& level, const Coordinates& at) {
-  const LinearPosition x = linear_position(b_, axis(level, 0, at)), y = linear_position(b_, axis(level, 1, at));
-  const Value one = b_.i32(1), n = level.size[0].texels;
-  const Plane p{.column = {x.i0, b_.iadd(x.i0, one)},
-                .row = {y.i0, b_.iadd(y.i0, one)},
-                .inside_x = {},
-                .inside_y = {},
-                .weight_x = x.weight1,
-                .weight_y = y.weight1,
-                .weight_x_fx8 = x.weight1_fx8};
+  Plane p = plane(level, at);
+  p.interior = true;
+  const Value last = b_.isub(level.size[0].texels, b_.i32(1));
   // i0 >= 0 and i0 + 1 < n, in one unsigned comparison
-  const Value within = b_.and_(b_.ult(x.i0, b_.isub(n, one)), b_.ult(y.i0, b_.isub(n, one)));
+  const Value within = b_.and_(b_.ult(p.at[0].i0, last), b_.ult(p.at[1].i0, last));
   return channels_if(
-      within, [&] { return linear_plane(level, p, {}, {}); }, [&] { return weighted(read_over_edges(level, p), p); });
+      within, [&] { return linear_plane(read_words(level, p, kOneSlice)[0], p, {}); },
+      [&] { return weighted(read_over_edges(level, p.at[0], p.at[1]), p); });
 }
 
 // ---- levels, filters, probes ------------------------------------------------------------------------------------------------
@@ -307,20 +392,8 @@ Channels Filter::gather() {
   if (!state_.single_level) level = choose_levels(b_, source_, request_).level0;
   const LevelView view = view_level(b_, source_.image, level);
   const Coordinates at{request_.coord[0], request_.coord[1], request_.coord[2]};
-  Taps taps;
-  if (cube_) {
-    const Value x = linear_position(b_, axis(view, 0, at)).i0, y = linear_position(b_, axis(view, 1, at)).i0;
-    const Value one = b_.i32(1);
-    taps = read_over_edges(view, {.column = {x, b_.iadd(x, one)},
-                                  .row = {y, b_.iadd(y, one)},
-                                  .inside_x = {},
-                                  .inside_y = {},
-                                  .weight_x = {},
-                                  .weight_y = {},
-                                  .weight_x_fx8 = {}});
-  } else {
-    taps = read_plane(view, plane(view, at), {}, {});
-  }
+  const Plane p = plane(view, at);
+  const Taps taps = cube_ ? read_over_edges(view, p.at[0], p.at[1]) : decode_plane(read_words(view, p, kOneSlice)[0], p, {});
   Channels out{};
   constexpr uint32_t kTap[4] = {2, 3, 1, 0};
   for (uint32_t i = 0; i < 4; ++i) {

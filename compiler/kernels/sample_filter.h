@@ -16,19 +16,33 @@ class Filter {
 
  private:
   using Coordinates = std::array<ir::Value, 3>;
-  struct Plane {                         // the linear footprint in x and y
+  struct Plane {  // the linear footprint in x and y, before its texels are wrapped
+    AxisRequest axis[2];
+    LinearPosition at[2];
+    uint32_t axes;
+    bool interior = false;                                                          // all of it is known to lie in the image
+    ir::Value weight_x() const { return at[0].weight1; }                            // F32, of the second column
+    ir::Value weight_y() const { return axes == 2 ? at[1].weight1 : ir::Value{}; }  // of the second row; unset: one row
+  };
+  struct Corners {
     ir::Value column[2], row[2];         // texels
     ir::Value inside_x[2], inside_y[2];  // unset = always
-    ir::Value weight_x, weight_y;        // F32, of column[1], row[1]; weight_y unset: one row
-    ir::Value weight_x_fx8;              // I32
   };
+  using TapWords = std::array<Words, 4>;
   using Taps = std::array<Channels, 4>;  // (column 0, row 0), (1, 0), (0, 1), (1, 1)
 
   void select_layer();
   AxisRequest axis(const LevelView& level, uint32_t a, const Coordinates& at) const;
   Plane plane(const LevelView& level, const Coordinates& at);
-  Taps read_plane(const LevelView& level, const Plane& p, ir::Value z, ir::Value inside_z);
-  Channels read(ir::Value offset_bytes, ir::Value inside);
+  Corners corners(const Plane& p);
+  std::vector<TapWords> read_words(const LevelView& level, const Plane& p, std::span<const ir::Value> slices);
+  TapWords read_apart(const LevelView& level, const Plane& p, ir::Value z);
+  ir::Value pair_offset(const LevelView& level, const Plane& p, ir::Value z);
+  TapWords read_in_pairs(const LevelView& level, const Plane& p, ir::Value offset);
+  ir::Value is_interior(const LevelView& level, const Plane& p);
+  Taps decode_plane(const TapWords& words, const Plane& p, ir::Value inside_z);
+  Channels read(ir::Value offset_bytes, ir::Value inside) { return decode(reader_.read_words(offset_bytes), inside); }
+  Channels decode(const Words& words, ir::Value inside);
 
   Channels sample_at(const Coordinates& at, const LevelChoice& choice);
   Channels probes(const LevelChoice& choice);
@@ -37,13 +51,13 @@ class Filter {
   Channels nearest(const LevelView& level, const Coordinates& at);
   Channels linear(const LevelView& level, const Coordinates& at);
   Channels linear_on_cube(const LevelView& level, const Coordinates& at);
-  Taps read_over_edges(const LevelView& level, const Plane& p);
+  Taps read_over_edges(const LevelView& level, const LinearPosition& x, const LinearPosition& y);
   void fill_corner(Taps& taps, const std::array<ir::Value, 4>& is_corner);
 
   Channels weighted(const Taps& taps, const Plane& p);
-  Channels linear_plane(const LevelView& level, const Plane& p, ir::Value z, ir::Value inside_z);
+  Channels linear_plane(const TapWords& words, const Plane& p, ir::Value inside_z);
   bool packs() const;
-  Channels weighted_bytes(const LevelView& level, const Plane& p, ir::Value z);
+  Channels weighted_bytes(const TapWords& words, const Plane& p);
   ir::Value row_offset(const LevelView& level, ir::Value y, ir::Value z);
   Channels blend(const Channels& first, const Channels& second, ir::Value weight2);
   ir::Value reduce(ir::Value first, ir::Value second);

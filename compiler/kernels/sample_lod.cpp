@@ -1,6 +1,7 @@
 #include "compiler/kernels/sample_lod.h"
 
 #include "base/abi.h"
+#include "compiler/kernels/sample_address.h"
 #include "compiler/kernels/stage.h"
 
 namespace pineda::kernels {
@@ -145,7 +146,7 @@ LevelChoice choose_levels(Builder& b, const SampleSource& source, const spirv::S
     out.level0 = level_index(b, b.isub(b.convert(Op::kFToS, Type::kI32, b.fceil(b.fadd(d, b.f32(0.5)))), b.i32(1)));
     return out;
   }
-  const Value fx8 = b.convert(Op::kFToS, Type::kI32, b.fround_even(b.fmul(d, b.f32(256))));
+  const Value fx8 = round_small(b, b.fmul(d, b.f32(256)));
   out.level0 = level_index(b, b.lshr(fx8, b.i32(8)));
   const auto next = [&](Value level) { return b.umin(b.iadd(level, b.i32(1)), last); };
   out.level1 = {next(out.level0.lane), out.level0.uniform, next(out.level0.wave)};

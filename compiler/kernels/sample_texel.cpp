@@ -102,9 +102,21 @@ Value TexelReader::border(uint32_t c) {
   return normalized(c) ? b_.fmul(value, b_.f32(code_scale(format_, c))) : value;
 }
 
-Channels TexelReader::read(Value offset_bytes, Value inside) {
+Words TexelReader::read_words(Value offset_bytes) {
   // Not kSpeculate: an index is bounded where the lane is active; elsewhere the size that bounds it may be rubbish.
-  const Words words = load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = limit_}, ir::kInvariant);
+  return load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = limit_}, ir::kInvariant);
+}
+
+std::array<Words, 2> TexelReader::read_pair(Value offset_bytes, Value second_row) {
+  const Value base = second_row ? b_.ptr_add(base_, second_row) : base_;
+  const Value pair = b_.load(Type::kI64, {.base = base, .offset = offset_bytes}, ir::kInvariant);
+  std::array<Words, 2> out{};
+  out[0][0] = b_.convert(Op::kTrunc, Type::kI32, pair);
+  out[1][0] = b_.convert(Op::kTrunc, Type::kI32, b_.lshr(pair, b_.i64(32)));
+  return out;
+}
+
+Channels TexelReader::decode(const Words& words, Value inside) {
   Channels out{};
   for (uint32_t c = 0; c < 4; ++c) {
     if (format_.component[c].bits == 0) continue;
@@ -112,10 +124,6 @@ Channels TexelReader::read(Value offset_bytes, Value inside) {
     if (inside) out[c] = b_.select(inside, out[c], border(c));
   }
   return out;
-}
-
-Value TexelReader::read_word(Value offset_bytes) {
-  return load_words(b_, format_, {.base = base_, .offset = offset_bytes, .limit = limit_}, ir::kInvariant)[0];
 }
 
 Channels TexelReader::finish(const Channels& filtered) {

@@ -27,9 +27,14 @@ class TexelReader {
 
   // The texel at a byte offset, in filter units, border colour where `inside` (B1) is set and false. Components that the format
   // lacks are unset.
-  Channels read(ir::Value offset_bytes, ir::Value inside);
-  // The texel's first word as it is.
-  ir::Value read_word(ir::Value offset_bytes);
+  Channels read(ir::Value offset_bytes, ir::Value inside) { return decode(read_words(offset_bytes), inside); }
+  // The same in two steps.
+  Words read_words(ir::Value offset_bytes);
+  Channels decode(const Words& words, ir::Value inside);
+  // The texel at a byte offset and its right neighbour in one access, for texels of one whole word. `second_row` (draw rate;
+  // unset = 0) moves the base.
+  bool reads_pairs() const { return format_.texel_bytes == 4; }
+  std::array<Words, 2> read_pair(ir::Value offset_bytes, ir::Value second_row = {});
   // Texel indices are not bounded yet (texel fetch): lanes where `inside` is false read texels of zero bytes from now on.
   void check(ir::Value inside);
 
