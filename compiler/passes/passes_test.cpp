@@ -334,9 +334,9 @@ store %p, %z, %l
                                       });
   EXPECT_EQ(out, R"(wave:
   %1 = const i32 0
-  %2 = wave_ptr ptr
-  %3 = const i32 63
-  store %2, %1, %3
+  %2 = const i32 63
+  %3 = wave_ptr ptr
+  store %3, %1, %2
 )");
 }
 
