@@ -365,6 +365,8 @@ void GeometryWorker::run_routed(const Draw& draw, const BatchView& view, uint64_
 }
 
 void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
+  const Arena::Mark vertices_mark = chunk_->vertices.mark();
+  const size_t batches_mark = chunk_->batches.size();
   const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_, transform_);
   statistics.vertices_shaded += vertices;
   statistics.triangles_in += count;
@@ -388,6 +390,11 @@ void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count)
     c.triangles_clipped += statistics.triangles_clipped - before.triangles_clipped;
     c.triangles_culled += statistics.triangles_culled - before.triangles_culled;
     c.triangles_binned += chunk_->triangles.size() - binned;
+  }
+  if (chunk_->triangles.size() == binned) {  // nothing is left of the batch: the next one's vertices take its place in the cache
+    chunk_->vertices.rewind(vertices_mark);
+    chunk_->batches.truncate(batches_mark);
+    if (clip_batch_ >= batches_mark) clip_draw_ = nullptr;
   }
 }
 

@@ -56,6 +56,7 @@ class PodBuffer {
   const T& operator[](size_t i) const { return data_.get()[i]; }
   size_t capacity_bytes() const { return capacity_ * sizeof(T); }
   void clear() { size_ = 0; }
+  void truncate(size_t n) { size_ = n; }  // n <= size()
   void push_back(const T& value) {
     if (size_ == capacity_) grow(size_ + 1);
     data_.get()[size_++] = value;
@@ -108,6 +109,12 @@ class Arena {
     return memory;
   }
   void reset() { block_ = used_ = used_bytes_ = 0; }
+  // What was allocated after mark() is free again.
+  struct Mark {
+    size_t block, used, used_bytes;
+  };
+  Mark mark() const { return {block_, used_, used_bytes_}; }
+  void rewind(const Mark& to) { block_ = to.block, used_ = to.used, used_bytes_ = to.used_bytes; }
   size_t used_bytes() const { return used_bytes_; }
   size_t capacity_bytes() const { return capacity_bytes_; }
 

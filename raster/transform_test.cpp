@@ -55,8 +55,12 @@ TEST(Transform, EveryInstructionSetGivesTheSameBits) {
       ASSERT_EQ(std::memcmp(out.y_fx8 + first, reference.y_fx8 + first, kLanes * 4), 0);
       ASSERT_EQ(std::memcmp(out.code + first, reference.code + first, kLanes * 2), 0);
       for (uint32_t i = first; i < first + kLanes; ++i) {  // a NaN's bits are nobody's
-        if (!std::isnan(reference.z[i])) ASSERT_EQ(std::bit_cast<uint32_t>(out.z[i]), std::bit_cast<uint32_t>(reference.z[i]));
-        if (!std::isnan(reference.iw[i])) ASSERT_EQ(std::bit_cast<uint32_t>(out.iw[i]), std::bit_cast<uint32_t>(reference.iw[i]));
+        if (!std::isnan(reference.z[i])) {
+          ASSERT_EQ(std::bit_cast<uint32_t>(out.z[i]), std::bit_cast<uint32_t>(reference.z[i]));
+        }
+        if (!std::isnan(reference.iw[i])) {
+          ASSERT_EQ(std::bit_cast<uint32_t>(out.iw[i]), std::bit_cast<uint32_t>(reference.iw[i]));
+        }
       }
     }
   }
