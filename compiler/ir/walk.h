@@ -36,6 +36,23 @@ void for_each_operand(KernelT& kernel, Value v, Fn&& fn) {
   }
 }
 
+// A limit of the form "condition ? limit : 0": the accesses that have it read the condition themselves (jit/emit_bounds.cpp).
+inline bool is_guarded_limit(const Inst& inst, const Kernel& kernel) {
+  return inst.op == Op::kSelect && kernel.at(inst.operand[2]).op == Op::kConst && kernel.at(inst.operand[2]).imm == 0;
+}
+
+// Calls fn for each value that the machine code of v may read: the operands, and what guards a limit.
+template <typename Fn>
+void for_each_read(const Kernel& kernel, Value v, Fn&& fn) {
+  for_each_operand(kernel, v, fn);
+  Value limit = limit_of(kernel.at(v));
+  while (limit && is_guarded_limit(kernel.at(limit), kernel)) {
+    fn(kernel.at(limit).operand[0]);
+    limit = kernel.at(limit).operand[1];
+    fn(limit);
+  }
+}
+
 // The Yield that ends a region of an If or Loop.
 inline Value yield_of(const Kernel& kernel, RegionId region) { return kernel.regions[region].insts.back(); }
 inline const std::vector<Value>& yielded(const Kernel& kernel, RegionId region) {

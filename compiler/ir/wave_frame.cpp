@@ -51,10 +51,9 @@ class Planner {
     const Inst& inst = kernel_.at(v);
     if (!varies(v) && inst.op != Op::kYield) return;
     phase_of_[v.id] = phase_;
-    for_each_operand(kernel_, v, [&](Value operand) { use(operand); });
+    for_each_read(kernel_, v, [&](Value read) { use(read); });
     for (uint32_t r = 0; r < region_count(inst.op); ++r) {
-      for_each_inst(kernel_, inst.region[r],
-                    [&](Value inner) { for_each_operand(kernel_, inner, [&](Value operand) { use(operand); }); });
+      for_each_inst(kernel_, inst.region[r], [&](Value inner) { for_each_read(kernel_, inner, [&](Value read) { use(read); }); });
     }
   }
 

@@ -119,8 +119,7 @@ bool Emitter::is_known_true(ir::Value condition, bool with_facts) const {
 
 void Emitter::set_limit(Access& a, ir::Value limit, bool with_facts) {
   const ir::Inst& inst = kernel_.at(limit);
-  const bool guarded =
-      inst.op == Op::kSelect && kernel_.at(inst.operand[2]).op == Op::kConst && kernel_.at(inst.operand[2]).imm == 0;
+  const bool guarded = ir::is_guarded_limit(inst, kernel_);
   if (guarded && is_known_true(inst.operand[0], with_facts)) return set_limit(a, inst.operand[1], with_facts);
   const bool split = guarded && is_lane(inst.operand[0]) && !is_lane(inst.operand[1]);
   if (split) a.where = vector(inst.operand[0]);

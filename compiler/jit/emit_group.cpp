@@ -154,10 +154,10 @@ void Emitter::load_kept(const std::vector<ir::Value>& insts) {
   for (ir::Value v : insts) {
     const ir::Inst& inst = kernel_.at(v);
     if (inst.op == Op::kLocal) local_slot_[v.id] = b_.CreateIntToPtr(frame_address(frame_.offset[v.id]), b_.getPtrTy());
-    ir::for_each_operand(kernel_, v, use);
+    ir::for_each_read(kernel_, v, use);
     if (ir::is_group_construct(inst, with_barriers_)) continue;
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) {
-      ir::for_each_inst(kernel_, inst.region[r], [&](ir::Value inner) { ir::for_each_operand(kernel_, inner, use); });
+      ir::for_each_inst(kernel_, inst.region[r], [&](ir::Value inner) { ir::for_each_read(kernel_, inner, use); });
     }
   }
 }
