@@ -24,7 +24,12 @@ class Cache {
  private:
   // Drops entries whose kernel is gone and that nobody is about to fill.
   void sweep() {
-    std::erase_if(entries_, [](const auto& item) { return item.second.use_count() == 1 && item.second->executable.expired(); });
+    std::erase_if(entries_, [](const auto& item) {
+      if (item.second.use_count() != 1) return false;
+      // Nobody holds it any more, but a count says nothing about what its last holder has stored: the mutex does.
+      const std::lock_guard lock(item.second->mutex);
+      return item.second->executable.expired();
+    });
     next_sweep_ = 2 * entries_.size() + 64;
   }
 
