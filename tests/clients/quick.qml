@@ -12,6 +12,7 @@ Window {
         }
         NumberAnimation on rotation { from: 0; to: 360; duration: 4000; loops: Animation.Infinite }
     }
+    Timer { interval: 5500; running: true; onTriggered: Qt.quit() }
     Text { x: 200; y: 40; text: "Qt Quick\napi " + GraphicsInfo.api; color: "white"; font.pixelSize: 28 }
     Canvas {
         x: 20; y: 170; width: 340; height: 110
