@@ -260,6 +260,10 @@ TEST(IcdFormatRender, EverySampleOfEveryColourFormat) {
     client.run([&](VkCommandBuffer cb) {
       const VkImageCopy whole{color_layers(), {}, color_layers(), {}, kExtent};
       VK(client, CmdCopyImage)(cb, image, VK_IMAGE_LAYOUT_GENERAL, copy, VK_IMAGE_LAYOUT_GENERAL, 1, &whole);
+      const VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                    VK_ACCESS_TRANSFER_READ_BIT};
+      VK(client, CmdPipelineBarrier)
+      (cb, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
       const VkImageResolve resolve{color_layers(), {}, color_layers(), {}, kExtent};
       VK(client, CmdResolveImage)(cb, copy, VK_IMAGE_LAYOUT_GENERAL, resolved[1], VK_IMAGE_LAYOUT_GENERAL, 1, &resolve);
     });
