@@ -19,8 +19,8 @@ using ir::Value;
 
 constexpr uint32_t kMaxTurns = 16;
 // Of all copies together. Loops that sample images inline stand in kernels that are compiled in the background, and their copies
-// share the most.
-constexpr uint32_t kMaxInsts = 800, kMaxSamplingInsts = 4000;
+// share the most; others must not make an application wait for its pipelines.
+constexpr uint32_t kMaxInsts = 100, kMaxSamplingInsts = 4000;
 
 // Integers and B1 that are the same for all lanes and do not depend on what the kernel reads.
 class KnownValues {
@@ -129,7 +129,9 @@ class Unroller {
     ir::for_each_inst(kernel_, loop.region[0], [&](Value v) {
       const Inst& inst = kernel_.at(v);
       fits &= inst.op != Op::kBarrier && inst.op != Op::kCall && inst.op != Op::kLoop && inst.op != Op::kLocal;
-      samples |= inst.op == Op::kLoad && (inst.flags & (ir::kInvariant | ir::kSpeculate)) == ir::kInvariant;
+      // Texels are read at bounded offsets, without a limit.
+      samples |=
+          inst.op == Op::kLoad && (inst.flags & (ir::kInvariant | ir::kSpeculate)) == ir::kInvariant && !ir::limit_of(inst);
       insts += inst.op != Op::kConst && inst.op != Op::kYield && inst.op != Op::kResult;
     });
     const uint32_t most = samples ? kMaxSamplingInsts : kMaxInsts;
