@@ -151,7 +151,10 @@ bool Flow::guarded(const Instruction& at, uint32_t merge, uint32_t stop, size_t 
     const uint32_t label = *next;
     next.reset();
     const ir::Value cond = guard(mark);  // more flags each time round
-    if (!cond) return go_on(at, label, stop);
+    if (!cond) {
+      reached |= go_on(at, label, stop, &next);
+      continue;
+    }
     t_.in_if(
         at, cond, [&] { reached |= go_on(at, label, stop, &next); }, [] {});
   }

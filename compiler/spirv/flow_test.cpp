@@ -499,5 +499,25 @@ TEST(SpirvFlow, DeepNests) {
   for (uint32_t x = 0; x < 16; ++x) EXPECT_EQ(out[x], x + kDepth * (kDepth - 1) / 2);
 }
 
+// More of them than constructs may nest: each goes on beside the one before, not inside of it.
+TEST(SpirvFlow, ThousandsOfEarlyReturns) {
+  constexpr uint32_t kReturns = 3000;
+  std::string function = "uint f(uint x) {\n";
+  for (uint32_t i = 0; i < kReturns; ++i) {
+    const std::string n = std::to_string(i);
+    function += "if (x == " + n + "u * 37u) return x + " + n + "u; x += " + n + "u & 3u;\n";
+  }
+  const Words out = compute("d[lane] = f(lane);", Words(16), "uint", function + "return x; }");
+  for (uint32_t lane = 0; lane < 16; ++lane) {
+    uint32_t x = lane;
+    bool returned = false;
+    for (uint32_t i = 0; i < kReturns && !returned; ++i) {
+      returned = x == i * 37;
+      x += returned ? i : i & 3;
+    }
+    EXPECT_EQ(out[lane], x) << lane;
+  }
+}
+
 }  // namespace
 }  // namespace pineda::spirv::test

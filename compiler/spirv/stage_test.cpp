@@ -251,5 +251,18 @@ TEST(SpirvStage, FunctionInliningIsBounded) {  // 2^30 calls
   EXPECT_NE(error_of(kCompute, words).find("too large"), std::string::npos);
 }
 
+// An input that nothing else reads.
+TEST(SpirvStage, InputsThatAreOnlyInterpolatedElsewhere) {
+  for (const std::string call : {"interpolateAtOffset(v, vec2(0.25))", "interpolateAtCentroid(v)", "interpolateAtSample(v, 1)"}) {
+    const Words words =
+        glsl(VK_SHADER_STAGE_FRAGMENT_BIT,
+             "layout(location = 3) in vec2 v; layout(location = 0) out vec4 r; void main() { r = " + call + ".xyxy; }");
+    const auto module = parse({.words = words, .entry_point = "main", .stage = VK_SHADER_STAGE_FRAGMENT_BIT});
+    ASSERT_TRUE(module) << call << ": " << module.error().text;
+    ASSERT_EQ(info(**module).inputs.size(), 2u) << call;
+    EXPECT_EQ(info(**module).inputs[0].location, 3u);
+  }
+}
+
 }  // namespace
 }  // namespace pineda::spirv::test

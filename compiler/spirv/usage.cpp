@@ -153,7 +153,8 @@ class FunctionUsage {
       case spv::OpFunctionCall:
         call(inst);
         break;
-      case spv::OpExtInst:  // Modf and Frexp write through their second operand; the others have no pointers
+      case spv::OpExtInst:  // InterpolateAt* has a pointer first; Modf and Frexp write through their second operand
+        if (inst.size() > 5) root(inst.word(5));
         if (inst.size() > 6) write(root(inst.word(6)));
         break;
       case spv::OpLoad:

@@ -99,10 +99,16 @@ def chosen_files(root, per_folder):
 
 
 def glsl_jobs(out, per_folder):
-    """(source, (stage, GLSL, target)) for every distinct shader."""
-    seen = set()
+    """(source, (stage, GLSL, target)) for every distinct shader that could be one; and, by reason, how many could not."""
+    seen, jobs, left_out = set(), [], collections.Counter()
 
     def job(source, path, stage, text):
+        if re.search(r"expect_result:\s*fail", text):
+            left_out["tests that a compiler must refuse"] += 1
+            return []
+        if not re.search(r"\bmain\s*\(", text):
+            left_out["parts of programs and tests of the parser, without main()"] += 1
+            return []
         digest = hashlib.sha256((stage + text).encode()).hexdigest()[:16]
         if digest in seen:
             return []
@@ -112,10 +118,11 @@ def glsl_jobs(out, per_folder):
     for source, root in ROOTS.items():
         for path in chosen_files(root, per_folder):
             for stage, text in sections(path):
-                yield from job(source, path, stage, respelled(stage, text))
+                jobs.extend(job(source, path, stage, respelled(stage, text)))
     for path in sorted(PIGLIT.rglob("*.vk_shader_test")):  # Vulkan's GLSL already
         for stage, text in sections(path):
-            yield from job("piglit-vulkan", path, stage, text)
+            jobs.extend(job("piglit-vulkan", path, stage, text))
+    return jobs, left_out
 
 
 def copy_modules(out):
@@ -173,7 +180,8 @@ def compile_one(job):
         if checked.returncode == 0:
             return None
         target.unlink()
-        return "(made by glslang, refused by spirv-val) " + checked.stdout.strip().splitlines()[0] if checked.stdout else "(spirv-val)"
+        said = (checked.stderr + checked.stdout).strip().splitlines()
+        return "(made by glslang, refused by spirv-val) " + (re.sub(r"^error: (line )?\d+: |\d+(\[%[^\]]*\])?", "", said[0]) if said else "")
     found = re.search(r"ERROR: (?:\S+:\d+: )?(.*)", done.stdout)
     return found.group(1) if found else "no message"
 
@@ -185,7 +193,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    jobs = list(glsl_jobs(args.out, args.per_folder))
+    jobs, left_out = glsl_jobs(args.out, args.per_folder)
     for source in {source for source, _ in jobs}:
         (args.out / source).mkdir(exist_ok=True)
     refused = collections.Counter()
@@ -196,6 +204,7 @@ def main():
     made = len(jobs) - sum(refused.values())
     lines = [f"- {len(jobs)} shaders in GLSL: {made} became SPIR-V, {sum(refused.values())} glslang refuses",
              f"- {copy_modules(args.out)} modules that piglit has as SPIR-V"]
+    lines += [f"- {count} left out: {reason}" for reason, count in left_out.most_common()]
     lines.append("- {} shaders in the byte code of Direct3D: {} translated by vkd3d".format(*translate_dxbc(args.out)))
     lines.append(f"- {generate_vkfft(args.out)} kernels that VkFFT generated")
     lines += ["", "What glslang says of those that it refuses:", ""]
