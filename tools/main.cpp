@@ -5,12 +5,15 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/accuracy/accuracy.h"
 #include "tools/bench/bench.h"
 #include "tools/capture.h"
 #include "tools/compare.h"
 #include "tools/driver_process.h"
 #include "tools/error.h"
 #include "tools/errors/errors.h"
+#include "tools/explain.h"
+#include "tools/extreme/extreme.h"
 #include "tools/golden.h"
 #include "tools/scene_registry.h"
 #include "tools/size.h"
@@ -24,7 +27,7 @@ constexpr int kFailed = 1, kUsageError = 2;
 struct Arguments {
   std::vector<std::string> scenes;
   std::string drivers = "pineda,lavapipe", driver = "pineda";
-  std::string size = "800x600", compare_size = "1600x1200";
+  std::string size = "800x600", compare_size = "1600x1200", report_size = "400x300";
   std::string out, json, filter, golden_file, capture;
   uint32_t frames = 30, rounds = 5;
   double threshold_share = 0.999, budget_ms = 200;
@@ -32,7 +35,7 @@ struct Arguments {
   uint32_t timeout_s = 120;
   std::string functions, columns = "fast,default,exact,lavapipe", errors_file = "docs/errors.md";
   bool quick = false;
-  bool truth = false, validate = false, hash = false, update = false, list = false;
+  bool extreme = false, truth = false, validate = false, hash = false, update = false, list = false;
 };
 
 int run_compare_capture(const Arguments& arguments) {
@@ -73,6 +76,38 @@ int run_compare(const Arguments& arguments) {
   fmt::print("report: {}/index.html\n{}\n", options.out_dir,
              comparison.passed() ? "all thresholds held" : "FAILED: see the messages above or the report");
   return comparison.passed() ? 0 : kFailed;
+}
+
+int run_report_extreme(const Arguments& arguments) {
+  return report_extreme(
+      {.drivers = parse_drivers(arguments.drivers),
+       .variants = arguments.quick ? std::vector<DriverSpec>{} : parse_drivers("pineda@PINEDA_ISA=sse42,pineda@PINEDA_ISA=avx2"),
+       .filter = arguments.filter,
+       .out_dir = arguments.out.empty() ? "report" : arguments.out,
+       .timeout = std::chrono::seconds(arguments.timeout_s)});
+}
+
+int run_report(const Arguments& arguments) {
+  if (arguments.extreme) return run_report_extreme(arguments);
+  const Size size = parse_size(arguments.report_size);
+  AccuracyOptions options{.scenes = {},
+                          .series = default_series(),
+                          .sample_counts = {1, 2, 4, 8, 16},
+                          .width = size.width,
+                          .height = size.height,
+                          .budget_ms = arguments.budget_ms,
+                          .evaluator = !arguments.quick,
+                          .out_dir = arguments.out.empty() ? "report" : arguments.out,
+                          .timeout = std::chrono::seconds(arguments.timeout_s)};
+  for (const std::string& name : arguments.scenes) options.scenes.push_back(&require_suite_scene(name));
+  if (options.scenes.empty()) {
+    for (const SuiteScene& scene : suite_scenes()) options.scenes.push_back(&scene);
+  }
+  const Accuracy accuracy = measure_accuracy(options);
+  fmt::print("\n");
+  for (const std::string& lesson : lessons(accuracy)) fmt::print("{}\n", lesson);
+  fmt::print("report: {}/accuracy.html\n", options.out_dir);
+  return accuracy.passed() ? 0 : kFailed;
 }
 
 int run_bench(const Arguments& arguments) {
@@ -153,6 +188,20 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
   bench->add_flag("--list", arguments.list, "list the rows");
   bench->callback([&] { status = run_bench(arguments); });
 
+  CLI::App* const report = app.add_subcommand("report", "error against run time, at each precision and sample count");
+  report->add_option("scenes", arguments.scenes, "of the accuracy suite (default: all)");
+  report->add_option("--size", arguments.report_size, "of the picture")->capture_default_str();
+  report->add_option("--budget", arguments.budget_ms, "milliseconds to time each configuration")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  report->add_flag("--extreme", arguments.extreme, "stiff and extreme cases instead: what drivers give beside what is right");
+  report->add_option("--filter", arguments.filter, "only extreme cases whose 'group: name' contains this");
+  add_driver_set(*report, arguments);
+  report->add_flag("--quick", arguments.quick, "without PINEDA_MODE=f64, or the other ISA paths of the extreme cases");
+  report->add_option("--out", arguments.out, "folder of the report (default: report)");
+  report->add_option("--timeout", arguments.timeout_s, "seconds a driver may be silent")->capture_default_str();
+  report->callback([&] { status = run_report(arguments); });
+
   CLI::App* const render = app.add_subcommand("render", "draw one scene with one driver");
   render->add_option("scene", arguments.scenes, "scene name or model file")->required()->expected(1);
   render->add_option("--driver", arguments.driver, "pineda, lavapipe or NAME=path.json")->capture_default_str();
@@ -162,6 +211,22 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
   render->add_flag("--validate", arguments.validate, "run under the Khronos validation layer; any message fails");
   render->add_option("--timeout", arguments.timeout_s, "seconds the driver may be silent")->capture_default_str();
   render->callback([&] { status = run_render(arguments); });
+
+  CLI::App* const explained = app.add_subcommand("explain", "what Pineda leaves out of a scene, why, and what it saves");
+  explained->add_option("scene", arguments.scenes, "scene name or model file")->required()->expected(1);
+  explained->add_option("--size", arguments.size, "of the picture")->capture_default_str();
+  explained->add_option("--rounds", arguments.rounds, "turns of each variant")->capture_default_str()->check(CLI::Range(1, 1000));
+  explained->add_option("--budget", arguments.budget_ms, "milliseconds of each turn")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  explained->add_option("--timeout", arguments.timeout_s, "seconds the driver may be silent")->capture_default_str();
+  explained->callback([&] {
+    status = explain({.scene = arguments.scenes[0],
+                      .size = parse_size(arguments.size),
+                      .rounds = arguments.rounds,
+                      .budget_ms = arguments.budget_ms,
+                      .timeout = std::chrono::seconds(arguments.timeout_s)});
+  });
 
   CLI::App* const golden = app.add_subcommand("golden", "draw the scenes of a golden file and compare their hashes");
   golden->add_option("file", arguments.golden_file, "lines of: scene WIDTHxHEIGHT hash")->required();

@@ -2,10 +2,9 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/error.h"
+#include "tools/html.h"
 #include "tools/machine_info.h"
 
 namespace pineda::tools {
@@ -55,13 +54,6 @@ json as_json(const SceneComparison& scene) {
       {"runs", as_json(scene.runs)}, {"differences", as_json(scene.differences)}, {"truth_errors", as_json(scene.truth_errors)}};
 }
 
-void write_file(const std::filesystem::path& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
-  file << content;
-  file.close();
-  if (!file) fail("{}: cannot be written", path.string());
-}
-
 }  // namespace
 
 std::string report_json(const Comparison& comparison) {
@@ -78,8 +70,8 @@ std::string report_json(const Comparison& comparison) {
 
 void write_report(const Comparison& comparison) {
   const std::filesystem::path folder = comparison.options.out_dir;
-  write_file(folder / "report.json", report_json(comparison));
-  write_file(folder / "index.html", report_html(comparison));
+  write_file((folder / "report.json").string(), report_json(comparison));
+  write_file((folder / "index.html").string(), report_html(comparison));
 }
 
 }  // namespace pineda::tools

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <ctime>
 #include <iterator>
 #include <set>
 
+#include "tools/html.h"
 #include "tools/machine_info.h"
 #include "tools/report.h"
 #include "tools/report_style.h"
@@ -12,28 +12,7 @@
 namespace pineda::tools {
 namespace {
 
-std::string escape(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
+std::string escape(const std::string& text) { return escape_html(text); }
 
 std::string milliseconds(double value) { return value < 10 ? fmt::format("{:.3f}", value) : fmt::format("{:.1f}", value); }
 
@@ -69,9 +48,7 @@ class Page {
 
   void add_header() {
     const CompareOptions& options = comparison_.options;
-    char date[64];
-    const std::time_t now = std::time(nullptr);
-    std::strftime(date, sizeof date, "%e %B %Y, %H:%M", std::localtime(&now));
+    const std::string date = date_text();
     std::string names;
     for (size_t i = 0; i + 1 < options.drivers.size(); ++i) {
       names += (i == 0 ? "" : ", ") + escape(options.drivers[i].label);

@@ -10,10 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tools/accuracy/suite_scene.h"
 #include "tools/bench/rows.h"
 #include "tools/child_process.h"
 #include "tools/error.h"
 #include "tools/errors/probe.h"
+#include "tools/extreme/extreme.h"
 #include "tools/scene_registry.h"
 #include "tools/stopwatch.h"
 
@@ -45,6 +47,8 @@ class Worker {
     if (!context_) fail("command '{}' before 'open'", name);
     if (name == "close") return close();
     if (name == "render") return render(command);
+    if (name == "suite_render") return run_suite_scene(*context_, command);
+    if (name == "extreme_run") return run_extreme_case(*context_, command);
     if (name == "row_begin") return begin_row(command);
     if (name == "row_run") return run_row(command);
     if (name == "row_end") return end_row();

@@ -133,10 +133,21 @@ void VkContext::create_device() {
                                           .textureCompressionBC = available.textureCompressionBC,
                                           .fragmentStoresAndAtomics = available.fragmentStoresAndAtomics,
                                           .shaderImageGatherExtended = available.shaderImageGatherExtended,
-                                          .shaderClipDistance = available.shaderClipDistance};
+                                          .shaderClipDistance = available.shaderClipDistance,
+                                          .shaderFloat64 = available.shaderFloat64};
+  uint32_t extension_count = 0;
+  vkEnumerateDeviceExtensionProperties(physical_device_, nullptr, &extension_count, nullptr);
+  std::vector<VkExtensionProperties> extensions(extension_count);
+  vkEnumerateDeviceExtensionProperties(physical_device_, nullptr, &extension_count, extensions.data());
+  const char* const maintenance1 = VK_KHR_MAINTENANCE_1_EXTENSION_NAME;
+  for (const VkExtensionProperties& extension : extensions) {
+    has_maintenance1_ |= std::strcmp(extension.extensionName, maintenance1) == 0;
+  }
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue_info,
+                                .enabledExtensionCount = has_maintenance1_ ? 1u : 0u,
+                                .ppEnabledExtensionNames = &maintenance1,
                                 .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_device_, &info, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);

@@ -1,5 +1,5 @@
 // A small Vulkan 1.0 client: instance, device, one queue, and submission with a fence. All scenes and benchmark rows use it, with
-// core features only, so that a driver is asked for nothing optional.
+// core features, and VK_KHR_maintenance1 where the driver has it.
 #pragma once
 
 #include <functional>
@@ -27,6 +27,8 @@ class VkContext {
   VkContext& operator=(const VkContext&) = delete;
 
   VkDevice device() const { return device_; }
+  VkPhysicalDevice physical_device() const { return physical_device_; }
+  bool has_maintenance1() const { return has_maintenance1_; }  // viewports of negative height
   VkQueue queue() const { return queue_; }
   DeviceInfo info() const;
   bool samples(VkFormat format) const;       // whether images of it can be sampled with linear filtering
@@ -48,6 +50,7 @@ class VkContext {
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   uint32_t queue_family_ = 0;
+  bool has_maintenance1_ = false;
   VkPhysicalDeviceMemoryProperties memory_properties_{};
   CommandPoolHandle command_pool_;
   FenceHandle fence_;

@@ -110,7 +110,8 @@ void DescriptorAllocator::write_texture(VkDescriptorSet set, uint32_t binding, c
 
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc) {
   const ShaderModuleHandle vertex_module = create_shader_module(context, desc.vertex_shader);
-  std::vector<VkPipelineShaderStageCreateInfo> stages{stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex_module, nullptr)};
+  std::vector<VkPipelineShaderStageCreateInfo> stages{
+      stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex_module, desc.vertex_specialization)};
   ShaderModuleHandle fragment_module;
   if (!desc.fragment_shader.empty()) {
     fragment_module = create_shader_module(context, desc.fragment_shader);

@@ -44,6 +44,7 @@ struct GraphicsPipelineDesc {
   VkCullModeFlags cull_mode = VK_CULL_MODE_NONE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   const VkSpecializationInfo* specialization = nullptr;  // of the fragment shader
+  const VkSpecializationInfo* vertex_specialization = nullptr;
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   VkPolygonMode polygon_mode = VK_POLYGON_MODE_FILL;
   float line_width = 1;

@@ -6,7 +6,6 @@
 namespace pineda::tools {
 namespace {
 
-constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkMemoryPropertyFlags kHostMemory = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
@@ -135,17 +134,18 @@ SamplerHandle create_trilinear_sampler(VkContext& context) {
   return {context.device(), sampler};
 }
 
-RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples)
-    : extent_(extent), attachments_(attachments) {
+RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples,
+                           VkFormat colour_format)
+    : extent_(extent), attachments_(attachments), colour_format_(colour_format) {
   while (samples > 1 && !(context.sample_counts() & samples)) samples /= 2;
   samples_ = static_cast<VkSampleCountFlagBits>(samples);
   std::vector<VkImageView> views;
   if (has_colour()) {
     colour_ =
-        create_image(context, extent, 1, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+        create_image(context, extent, 1, colour_format_, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     if (resolves()) {
       constexpr VkImageUsageFlags kUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-      samples_colour_ = create_image(context, extent, 1, kColourFormat, kUsage, samples_);
+      samples_colour_ = create_image(context, extent, 1, colour_format_, kUsage, samples_);
     }
     views.push_back(resolves() ? samples_colour_.view : colour_.view);
   }
@@ -168,7 +168,7 @@ RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments at
 }
 
 void RenderTarget::create_render_pass(VkContext& context) {
-  const VkAttachmentDescription colour{.format = kColourFormat,
+  const VkAttachmentDescription colour{.format = colour_format_,
                                        .samples = samples_,
                                        .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
                                        .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
@@ -258,17 +258,29 @@ void make_visible_to_host(VkCommandBuffer commands, const Buffer& buffer, VkPipe
   vkCmdPipelineBarrier(commands, stage, VK_PIPELINE_STAGE_HOST_BIT, 0, 0, nullptr, 1, &barrier, 0, nullptr);
 }
 
-Image read_back(VkContext& context, const Image2D& image) {
+std::vector<std::byte> read_back_bytes(VkContext& context, const Image2D& image, uint32_t bytes_per_pixel) {
   const auto [width, height] = image.extent;
-  const VkDeviceSize size_bytes = VkDeviceSize{4} * width * height;
+  const VkDeviceSize size_bytes = VkDeviceSize{bytes_per_pixel} * width * height;
   const Buffer buffer = create_buffer(context, size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
   context.run_once([&](VkCommandBuffer commands) {
     const VkBufferImageCopy copy{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {width, height, 1}};
     vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle, 1, &copy);
     make_visible_to_host(commands, buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
   });
-  Image result{.width = width, .height = height, .rgba = std::vector<uint8_t>(size_bytes)};
-  std::memcpy(result.rgba.data(), buffer.mapped, size_bytes);
+  return {buffer.mapped, buffer.mapped + size_bytes};
+}
+
+Image read_back(VkContext& context, const Image2D& image) {
+  const std::vector<std::byte> bytes = read_back_bytes(context, image, 4);
+  Image result{.width = image.extent.width, .height = image.extent.height, .rgba = std::vector<uint8_t>(bytes.size())};
+  std::memcpy(result.rgba.data(), bytes.data(), bytes.size());
+  return result;
+}
+
+std::vector<float> read_back_floats(VkContext& context, const Image2D& image) {
+  const std::vector<std::byte> bytes = read_back_bytes(context, image, 4 * sizeof(float));
+  std::vector<float> result(bytes.size() / sizeof(float));
+  std::memcpy(result.data(), bytes.data(), bytes.size());
   return result;
 }
 

@@ -49,12 +49,14 @@ SamplerHandle create_trilinear_sampler(VkContext& context);
 void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout from, VkImageLayout to, VkAccessFlags source_access,
                 VkAccessFlags target_access, VkPipelineStageFlags source_stage, VkPipelineStageFlags target_stage);
 
-// An RGBA8 colour image, with D32 depth if wanted, the render pass that clears both and leaves the colour ready to be read back.
+// A colour image (RGBA8 unless another format is asked for), with D32 depth if wanted, the render pass that clears both and
+// leaves the colour ready to be read back.
 class RenderTarget {
  public:
   enum class Attachments { kColour, kColourDepth, kDepth };
   // With several samples a pixel the colour is resolved at the pass's end; of those asked for, as many as the driver has.
-  RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples = 1);
+  RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples = 1,
+               VkFormat colour_format = VK_FORMAT_R8G8B8A8_UNORM);
 
   void begin(VkCommandBuffer commands, std::array<float, 4> clear_colour) const;
   VkExtent2D extent() const { return extent_; }
@@ -70,6 +72,7 @@ class RenderTarget {
 
   VkExtent2D extent_;
   Attachments attachments_;
+  VkFormat colour_format_;
   VkSampleCountFlagBits samples_;
   Image2D colour_, samples_colour_, depth_;
   RenderPassHandle render_pass_;
@@ -79,7 +82,9 @@ class RenderTarget {
 // Makes what a stage wrote to a buffer visible to the host, once the fence is waited for.
 void make_visible_to_host(VkCommandBuffer commands, const Buffer& buffer, VkPipelineStageFlags stage, VkAccessFlags access);
 
-// Copies an RGBA8 image in TRANSFER_SRC_OPTIMAL to the host.
+// Copies an image in TRANSFER_SRC_OPTIMAL to the host: an RGBA8 one; one of four floats a pixel; the bytes of any colour format.
 Image read_back(VkContext& context, const Image2D& image);
+std::vector<float> read_back_floats(VkContext& context, const Image2D& image);
+std::vector<std::byte> read_back_bytes(VkContext& context, const Image2D& image, uint32_t bytes_per_pixel);
 
 }  // namespace pineda::tools
