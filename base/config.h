@@ -26,6 +26,7 @@ enum DebugFlag : uint32_t {
   kDebugGeneral = 1u << 10,         // pipelines are never specialised for what is bound (same bits)
   kDebugSpecialize = 1u << 11,      // pipelines are specialised before their first draw
   kDebugNoEqualSamples = 1u << 12,  // every sample has its own colour
+  kDebugExplain = 1u << 13,         // what was left out, in words
   kDebugHeatMap = 1u << 20,         // a picture of each pass's bins
 };
 

@@ -9,6 +9,7 @@
 #include "base/config.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/explain.h"
 #include "icd/image_view.h"
 #include "icd/render_pass.h"
 #include "icd/transfer.h"
@@ -192,6 +193,7 @@ bool Executor::begin_next_view() {
 void Executor::run_pass() {
   const raster::PassStatistics statistics = pass_->end();
   report_statistics(*pass_, statistics);
+  if (debug(kDebugExplain)) say_once(explain_pass(pass_desc_, statistics));
   pass_.reset();
   arena_.reset();
   dirty_ |= kContext;  // the last context was in the arena

@@ -129,7 +129,7 @@ void add_attachment(const raster::PassDesc& pass, const raster::Attachment& atta
 std::string explain_pipeline(const std::string& name, const spirv::ModuleInfo& vertex, const spirv::ModuleInfo* fragment,
                              const FragmentState& state, const compiler::GraphicsKernels& kernels,
                              const compiler::GraphicsSizes& sizes) {
-  std::string text = "pipeline '" + name + "'";
+  std::string text = "pipeline '" + name;
   line(text, sizes_text("vertex kernel", sizes.vertex));
   line(text, sizes_text("fragment kernel (interpolation, shader, tests, blending, packing)", sizes.fragment));
   explain_varyings(vertex, sizes, text);

@@ -10,6 +10,7 @@
 
 namespace pineda::icd {
 
+// `name`: with the quotation mark that ends it, and what form of the pipeline it is.
 std::string explain_pipeline(const std::string& name, const spirv::ModuleInfo& vertex, const spirv::ModuleInfo* fragment,
                              const compiler::FragmentState& state, const compiler::GraphicsKernels& kernels,
                              const compiler::GraphicsSizes& sizes);

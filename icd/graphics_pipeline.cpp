@@ -1,9 +1,11 @@
 #include "icd/graphics_pipeline.h"
 
+#include "base/config.h"
 #include "base/float_environment.h"
 #include "icd/api.h"
 #include "icd/create_pipelines.h"
 #include "icd/device.h"
+#include "icd/explain.h"
 
 namespace pineda::icd {
 
@@ -44,9 +46,25 @@ std::unique_ptr<const compiler::GraphicsKernels> GraphicsPipeline::compile(std::
                                               .name = name_,
                                               .store = store,
                                               .generator = generator});
+  if (compiled && debug(kDebugExplain)) explain(*compiled, textures);
   if (compiled) return std::make_unique<const compiler::GraphicsKernels>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
+}
+
+void GraphicsPipeline::explain(const compiler::GraphicsKernels& compiled, std::span<const compiler::TextureUse> textures) const {
+  const auto sizes = compiler::measure_graphics({.vertex = vertex_.get(),
+                                                 .fragment = fragment_.get(),
+                                                 .layout = layout_.get(),
+                                                 .vertex_input = state_.vertex_input,
+                                                 .state = state_.fragment,
+                                                 .draws_points = state_.draws_points(),
+                                                 .textures = textures,
+                                                 .name = name_});
+  if (!sizes) return;
+  const std::string form = !samples() ? "" : textures.empty() ? ", its general form" : ", specialised for its textures";
+  say_once(explain_pipeline(name_ + "'" + form, spirv::info(*vertex_), fragment_ ? &spirv::info(*fragment_) : nullptr,
+                            state_.fragment, compiled, *sizes));
 }
 
 const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {

@@ -23,6 +23,7 @@ class GraphicsPipeline : public Pipeline {
   std::unique_ptr<const compiler::GraphicsKernels> compile(std::span<const compiler::TextureUse> textures,
                                                            compiler::CodeStore* store,
                                                            const compiler::CodeGenerator* generator) const;
+  void explain(const compiler::GraphicsKernels& compiled, std::span<const compiler::TextureUse> textures) const;
 
   GraphicsState state_;
   std::shared_ptr<const compiler::PipelineLayout> layout_;

@@ -15,6 +15,7 @@
 #include "tools/explain.h"
 #include "tools/extreme/extreme.h"
 #include "tools/golden.h"
+#include "tools/readme.h"
 #include "tools/scene_registry.h"
 #include "tools/size.h"
 #include "tools/worker.h"
@@ -28,7 +29,7 @@ struct Arguments {
   std::vector<std::string> scenes;
   std::string drivers = "pineda,lavapipe", driver = "pineda";
   std::string size = "800x600", compare_size = "1600x1200", report_size = "400x300";
-  std::string out, json, filter, golden_file, capture;
+  std::string out, json, filter, golden_file, capture, readme;
   uint32_t frames = 30, rounds = 5;
   double threshold_share = 0.999, budget_ms = 200;
   int largest_difference = -1;  // no limit
@@ -88,6 +89,10 @@ int run_report_extreme(const Arguments& arguments) {
 }
 
 int run_report(const Arguments& arguments) {
+  if (!arguments.readme.empty()) {
+    update_readme(arguments.readme, arguments.out.empty() ? "report" : arguments.out);
+    return 0;
+  }
   if (arguments.extreme) return run_report_extreme(arguments);
   const Size size = parse_size(arguments.report_size);
   AccuracyOptions options{.scenes = {},
@@ -195,6 +200,8 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   report->add_flag("--extreme", arguments.extreme, "stiff and extreme cases instead: what drivers give beside what is right");
+  report->add_option("--readme", arguments.readme,
+                     "measure nothing: rewrite this file's sections from bench.json, accuracy.json and extreme.json in --out");
   report->add_option("--filter", arguments.filter, "only extreme cases whose 'group: name' contains this");
   add_driver_set(*report, arguments);
   report->add_flag("--quick", arguments.quick, "without PINEDA_MODE=f64, or the other ISA paths of the extreme cases");

@@ -179,7 +179,9 @@ Outcome bias_d24(ExtremeRig& rig) { return bias(rig, d24(rig), -4, 0); }
 Outcome bias_d32(ExtremeRig& rig) { return bias(rig, VK_FORMAT_D32_SFLOAT, -8, 0); }
 Outcome bias_slope(ExtremeRig& rig) { return bias(rig, VK_FORMAT_D32_SFLOAT, 0, -1, false); }
 
-constexpr const char* kOrder = "exact order of the vertices given; Vulkan 1.3, Depth Test and Fixed-Point Data Conversions";
+constexpr const char* kOrder =
+    "exact order of the vertices given; Vulkan 1.3, Depth Test (how depths are rounded is left open: the bound is this case's "
+    "own)";
 constexpr const char* kBias = "Vulkan 1.3, Depth Bias: r is the smallest difference that is resolved throughout";
 
 constexpr ExtremeCase kCases[] = {

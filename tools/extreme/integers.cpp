@@ -7,7 +7,6 @@
 #include "shaders/extreme_integers_comp.h"
 #include "shaders/extreme_pack_comp.h"
 #include "shaders/extreme_srgb_comp.h"
-#include "shaders/extreme_stored_frag.h"
 #include "shaders/extreme_undefined_comp.h"
 #include "tools/error.h"
 #include "tools/extreme/rig.h"
@@ -271,7 +270,7 @@ Outcome unpacking(ExtremeRig& rig) {  // every binary16; every 8-bit and 16-bit 
 
 // Each value goes to a pixel of its own, as a rectangle of one colour.
 std::vector<std::byte> store(ExtremeRig& rig, VkFormat format, uint32_t bytes_per_pixel, const std::vector<float>& values) {
-  RigDraw draw{.fragment = extreme_stored_frag};
+  RigDraw draw;
   const float count = static_cast<float>(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
     const float left = 2 * static_cast<float>(i) / count - 1, right = 2 * static_cast<float>(i + 1) / count - 1;

@@ -7,6 +7,7 @@
 #include "shaders/extreme_coordinates_comp.h"
 #include "shaders/extreme_derivative_frag.h"
 #include "shaders/extreme_lod_comp.h"
+#include "shaders/extreme_smooth_frag.h"
 #include "tools/error.h"
 #include "tools/extreme/rig.h"
 
@@ -32,7 +33,8 @@ Outcome perspective(ExtremeRig& rig) {
   constexpr float kFar = 1e6f;
   const auto at = [](float x, float y, float w) { return RigVertex{{x * w, y * w, 0, w}, {w, x * w, 1, 0.1f}}; };
   const RigDraw draws[] = {
-      {.vertices = {at(-1, -1, 1), at(1, -1, 1), at(-1, 1, kFar), at(-1, 1, kFar), at(1, -1, 1), at(1, 1, kFar)}}};
+      {.vertices = {at(-1, -1, 1), at(1, -1, 1), at(-1, 1, kFar), at(-1, 1, kFar), at(1, -1, 1), at(1, 1, kFar)},
+       .fragment = extreme_smooth_frag}};
   const std::vector<float> picture = rig.draw_as<float>(kFloats, draws);
   Worst worst;
   for (int y = 0; y < 64; ++y) {
@@ -54,7 +56,8 @@ Outcome perspective(ExtremeRig& rig) {
 // A varying that is the same at every vertex is that everywhere, whatever the perspective.
 Outcome constant_varying(ExtremeRig& rig) {
   const auto at = [](float x, float y, float w) { return RigVertex{{x * w, y * w, 0, w}, {0.1f, 1e30f, -1e-30f, 1}}; };
-  const RigDraw draws[] = {{.vertices = {at(-1.7f, -1.3f, 0.37f), at(5.1f, -1.9f, 911), at(-1.1f, 5.3f, 17.7f)}}};
+  const RigDraw draws[] = {
+      {.vertices = {at(-1.7f, -1.3f, 0.37f), at(5.1f, -1.9f, 911), at(-1.1f, 5.3f, 17.7f)}, .fragment = extreme_smooth_frag}};
   const std::vector<float> picture = rig.draw_as<float>(kFloats, draws);
   Worst worst;
   for (size_t i = 0; i < picture.size(); ++i) {

@@ -30,7 +30,7 @@ struct RigDraw {
   bool depth_test = false;          // and writes
   VkCompareOp compare = VK_COMPARE_OP_LESS;
   float bias_constant = 0, bias_slope = 0;
-  Spirv fragment;  // default: the colour is the interpolated data
+  Spirv fragment;  // default: the colour is the first vertex's data
 };
 
 struct RigTarget {

@@ -1,4 +1,5 @@
 #version 450
-layout(location = 0) in vec4 varying_data;
+// Not interpolated: colours stand for something, and infinity minus infinity would be NaN.
+layout(location = 0) flat in vec4 stored;
 layout(location = 0) out vec4 colour;
-void main() { colour = varying_data; }
+void main() { colour = stored; }
