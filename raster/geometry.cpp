@@ -240,6 +240,11 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
   const bool front_is_clockwise = packet.front_face == VK_FRONT_FACE_CLOCKWISE;
   const SmallSetupState state{draw.rect_at(view.viewport), is_culled(packet, front_is_clockwise),
                               is_culled(packet, !front_is_clockwise), draw.samples == 1};
+  if (state.cull_clockwise && state.cull_counter_clockwise) {  // their vertices may have had effects; they have none
+    statistics.triangles_culled += count;
+    statistics.culled_facing += count;
+    return;
+  }
   const uint32_t cull_codes = cull_distance_codes(packet.outputs);
   SmallSetup& group = small_group_;
   for (uint32_t base = 0; base < count; base += kLanes) {

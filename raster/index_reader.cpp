@@ -50,4 +50,14 @@ void IndexReader::read(uint64_t first, uint32_t count, uint32_t* out) const {
   std::fill(out + inside, out + count, 0u);
 }
 
+const uint8_t* IndexReader::words(uint64_t first, uint32_t count, uint32_t* scratch) const {
+  constexpr uint64_t kLineBytes = 64;
+  const uint64_t end_bytes = (first + count) << shift_, buffer_bytes = count_ << shift_;
+  const uint64_t ahead_bytes = std::min(end_bytes + (uint64_t{count} << shift_), buffer_bytes);
+  for (uint64_t at = end_bytes; at < ahead_bytes; at += kLineBytes) __builtin_prefetch(data_ + at);
+  if (shift_ == 2 && first + count <= count_) return data_ + first * sizeof(uint32_t);
+  read(first, count, scratch);
+  return reinterpret_cast<const uint8_t*>(scratch);
+}
+
 }  // namespace pineda::raster

@@ -36,6 +36,9 @@ class IndexReader {
 
   // Positions [first, first + count) into out.
   void read(uint64_t first, uint32_t count, uint32_t* out) const;
+  // The same as 32-bit words that may lie anywhere: the buffer's own where that is possible, else in `scratch`. What follows is
+  // asked for ahead of time.
+  const uint8_t* words(uint64_t first, uint32_t count, uint32_t* scratch) const;
 
  private:
   const uint8_t* data_;

@@ -1,6 +1,7 @@
 #include "raster/vertex_batch.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "raster/assemble.h"
 
@@ -32,10 +33,15 @@ void VertexBatch::next_generation() {
 
 void VertexBatch::assemble_indexed_list(const Draw& draw, const IndexReader& reader, uint32_t instance, uint64_t first,
                                         uint32_t count, uint32_t out) {
-  reader.read(uint64_t{draw.packet.first} + first * 3, count * 3, indices_);
+  const uint8_t* words = reader.words(uint64_t{draw.packet.first} + first * 3, count * 3, indices_);
   const auto offset = static_cast<uint32_t>(draw.packet.vertex_offset);
   for (uint32_t i = 0; i < count; ++i) {
-    for (uint32_t k = 0; k < 3; ++k) prims_.vertex[k][out + i] = find_or_add(indices_[3 * i + k] + offset, instance);
+#pragma GCC unroll 3
+    for (uint32_t k = 0; k < 3; ++k) {
+      uint32_t index;
+      std::memcpy(&index, words + (size_t{3} * i + k) * sizeof index, sizeof index);
+      prims_.vertex[k][out + i] = find_or_add(index + offset, instance);
+    }
   }
 }
 
