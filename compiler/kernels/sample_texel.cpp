@@ -75,9 +75,11 @@ Value TexelReader::layer_offset(Value layer) {
 }
 
 Value TexelReader::row_offset(const LevelView& level, Value y, Value z) {
-  Value row = y;
-  if (z) row = b_.iadd(b_.imul(z, level.size[1].texels), y);  // slices follow each other
-  return row ? b_.iadd(level.offset_bytes, b_.imul(row, level.row_pitch_bytes)) : level.offset_bytes;
+  if (!y) return level.offset_bytes;
+  const Value row = b_.iadd(level.offset_bytes, b_.imul(y, level.row_pitch_bytes));
+  if (!z) return row;
+  // Slices follow each other. Their pitch is the same for all lanes where the level is, and both slices of a sample share `row`.
+  return b_.iadd(row, b_.imul(z, b_.imul(level.size[1].texels, level.row_pitch_bytes)));
 }
 
 Value TexelReader::column_offset(Value x) { return b_.imul(x, b_.i32(format_.texel_bytes)); }
