@@ -1,6 +1,8 @@
 // VkPipelineCache: its data, what becomes of damaged data, and pipelines that come from it. Pipelines created together.
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -260,6 +262,39 @@ TEST(IcdDiskCache, KeepsTheBits) {
     }
   }
   EXPECT_GE(draw(), files);
+  fs::remove_all(directory);
+}
+
+// Two processes that fill one empty directory at the same time, while a third one damages what it finds there.
+TEST(IcdDiskCache, ProcessesRace) {
+  const fs::path directory = fs::temp_directory_path() / ("pineda-api-race-" + std::to_string(getpid()));
+  fs::remove_all(directory);
+  const std::string command = "PINEDA_CACHE=" + directory.string() + " " + tests::build_dir() + "/pineda golden " +
+                              tests::source_dir() + "/tests/golden/scenes.txt";
+  std::atomic<int> running{2};
+  std::thread processes[2];
+  for (std::thread& process : processes) {
+    process = std::thread([&] {
+      const tests::ProcessResult result = tests::run_process(command);
+      EXPECT_EQ(result.exit_status, 0) << result.output;
+      --running;
+    });
+  }
+  std::mt19937 random(kSeed);
+  while (running > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::error_code gone;
+    for (fs::directory_iterator at(directory, gone), end; !gone && at != end; at.increment(gone)) {
+      std::error_code ignored;
+      if (random() % 16 == 0) fs::resize_file(at->path(), random() % 4096, ignored);
+    }
+  }
+  for (std::thread& process : processes) process.join();
+  const tests::ProcessResult after = tests::run_process(command);
+  EXPECT_EQ(after.exit_status, 0) << after.output;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    EXPECT_EQ(entry.path().extension(), ".kernel") << "what was being written is gone or whole: " << entry.path();
+  }
   fs::remove_all(directory);
 }
 

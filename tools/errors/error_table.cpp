@@ -27,8 +27,10 @@ Each cell: the largest error in units of the last place (ULP) of the exact resul
 numbers or zero; after the semicolon the largest share of what Vulkan allows that an error takes; in brackets how many results are not
 the binary32 nearest to the exact value. **Bold**: beyond what Vulkan allows ("Precision and Operation of SPIR-V Instructions"), with the number of operands. Where Vulkan's demand is "from" a formula,
 it is the error that the formula inherits from its operations; where it is an absolute error or a range, the ULP beyond it are not a
-fault. Where terms may cancel no ULP are told. Functions of one operand are measured on all 2^32 values, those of several on 2^26 operands: a grid of edges, neighbours and
-random values from fixed seeds (`tools/errors/operands.cpp`). All drivers run the same SPIR-V (`tools/errors/shaders/measured.comp`).
+fault. Where terms may cancel no ULP are told. Functions of one operand are measured on all 2^32 values, those of several on 2^23 operands: a grid of edges, neighbours and
+random values from fixed seeds (`tools/errors/operands.cpp`). Of Pineda's columns that agree bit for bit on a sample of 2^20 operands
+one takes all 2^32. binary16 ("f16"): all 2^16 values of the first operand, ULP of binary16. binary64 ("f64"): ULP of binary64,
+against binary128. All drivers run the same SPIR-V (`tools/errors/shaders/measured.comp`).
 
 The truth: for functions of one operand glibc's binary64 vector functions (libmvec, below 4 ULP of a binary64, which is 2^-27 ULP
 here); results within 2^-20 ULP of a tie are decided by MPFR. For the others binary64 arithmetic and glibc's binary64 functions.
@@ -88,7 +90,9 @@ std::string ErrorTable::row(const MeasuredFunction& function) const {
   const json& cells = data_.at(function.name);
   for (const ErrorColumn& column : kColumns) {
     const bool measured = cells.contains(column.name);
-    const uint64_t all = function.operands == 1 ? uint64_t{1} << 32 : uint64_t{kSampledBlocks} * SharedBlock::kElements;
+    const uint64_t all = function.width != Width::k32 ? 0
+                         : function.operands == 1     ? uint64_t{1} << 32
+                                                      : uint64_t{kSampledBlocks} * SharedBlock::kElements;
     const bool sampled = measured && cells[column.name].at("count").get<uint64_t>() < all;
     text += measured ? fmt::format(" {}{} |", cell_text(function, cells[column.name]), sampled ? " sampled" : "") : " |";
   }

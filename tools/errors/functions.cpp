@@ -10,10 +10,25 @@
 
 namespace pineda::tools {
 
-double ulp_of(double exact) {
-  if (exact == 0 || !std::isfinite(exact)) return 0x1p-149;
-  return std::ldexp(1.0, std::max(std::ilogb(exact), -126) - 23);
+namespace {
+
+struct Format {
+  int min_exponent, fraction_bits;
+  double largest;
+};
+constexpr Format kFormats[] = {{-14, 10, 65504}, {-126, 23, 0x1.fffffep127}, {-1022, 52, std::numeric_limits<double>::max()}};
+
+}  // namespace
+
+double ulp_of(double exact, Width width) {
+  const Format& format = kFormats[static_cast<size_t>(width)];
+  const bool normal = exact != 0 && std::isfinite(exact);
+  return std::ldexp(1.0,
+                    (normal ? std::max(std::ilogb(exact), format.min_exponent) : format.min_exponent) - format.fraction_bits);
 }
+
+double smallest_normal(Width width) { return std::ldexp(1.0, kFormats[static_cast<size_t>(width)].min_exponent); }
+double largest_finite(Width width) { return kFormats[static_cast<size_t>(width)].largest; }
 
 namespace {
 
@@ -230,6 +245,17 @@ const MeasuredFunction kFunctions[] = {
 
 }  // namespace
 
-std::span<const MeasuredFunction> measured_functions() { return kFunctions; }
+std::span<const MeasuredFunction> scalar_functions() { return kFunctions; }
+
+std::span<const MeasuredFunction> measured_functions() {
+  static const std::vector<MeasuredFunction> all = [] {
+    std::vector<MeasuredFunction> out;
+    for (const auto part : {scalar_functions(), compound_functions(), half_functions(), double_functions()}) {
+      out.insert(out.end(), part.begin(), part.end());
+    }
+    return out;
+  }();
+  return all;
+}
 
 }  // namespace pineda::tools

@@ -7,11 +7,14 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace pineda::tools {
 
+enum class Width : uint8_t { k16, k32, k64 };  // of operands and results
+
 struct Operands {
-  double x = 0, y = 0, z = 0;  // binary32 values
+  double x = 0, y = 0, z = 0;  // values of the function's width
 };
 
 // Exact operands to a result in binary64.
@@ -24,9 +27,12 @@ using PreciseReference = int (*)(mpfr_t out, const mpfr_t x, mpfr_rnd_t rounding
 // The largest absolute error that Vulkan allows beside the exact result; infinity where it demands nothing.
 using Allowed = double (*)(const Operands& in, double exact);
 
+// Of binary64 operands; exact enough to tell the error of a binary64 result.
+using WideReference = __float128 (*)(const Operands& in);
+
 struct MeasuredFunction {
   const char* name;
-  uint32_t number;  // in the shader
+  uint32_t number;  // in the shader: measured.comp below 128, measured_half.comp below 192, then measured_double.comp
   uint32_t operands;
   const char* demand;  // Vulkan's words, shortened
   double surely_ulp;   // errors up to this many ULP are allowed for every operand (saves calling `allowed`)
@@ -36,12 +42,22 @@ struct MeasuredFunction {
   PreciseReference precise = nullptr;
   // Operands beyond +-2^limit are not sampled: intermediate results would overflow or vanish, of which Vulkan says nothing.
   int exponent_limit = 128;
-  bool cancels = false;  // terms of opposite sign may leave any number of ULP: the error is told as a share of what is allowed
+  bool cancels = false;  // no ULP are told: terms of opposite sign may leave any number of ULP: the error is told as a share of
+                         // what is allowed
+  Width width = Width::k32;
+  WideReference wide = nullptr;  // instead of `reference`, for binary64
 };
 
 std::span<const MeasuredFunction> measured_functions();
+// Parts of the table.
+std::span<const MeasuredFunction> scalar_functions();    // functions.cpp
+std::span<const MeasuredFunction> compound_functions();  // vectors, matrices, conversions: functions_compound.cpp
+std::span<const MeasuredFunction> half_functions();      // functions_half.cpp
+std::span<const MeasuredFunction> double_functions();    // functions_double.cpp
 
-// Distance of the two binary32 values around `exact`; 2^-149 below the normal ones.
-double ulp_of(double exact);
+// Distance of the two values around `exact`; below the normal ones that of the denormals.
+double ulp_of(double exact, Width width = Width::k32);
+double smallest_normal(Width width);
+double largest_finite(Width width);
 
 }  // namespace pineda::tools

@@ -36,6 +36,8 @@ struct Block {
 };
 // Adds a block, of at most kMaxBlock elements.
 inline constexpr uint32_t kMaxBlock = 8192;
+// A whole block of SharedBlock::kElements floats: operands and results of half as many binary64 values (measured_double.comp).
+void measure_doubles(const MeasuredFunction& function, const float* const (&operands)[3], const float* results, Measurement& sum);
 void measure(const MeasuredFunction& function, const Block& block, const float* results, Measurement& sum);
 
 }  // namespace pineda::tools

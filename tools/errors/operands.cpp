@@ -60,9 +60,55 @@ void fill_unary(bool exhaustive, uint32_t block, float* x) {
   for (uint32_t i = 0; i < kCount; ++i) x[i] = from_bits(exhaustive ? block * kCount + i : i << 12 | (random() & 0xfff));
 }
 
+float from_half_bits(uint32_t bits) {
+  const uint32_t exponent = bits >> 10 & 31, fraction = bits & 1023;
+  const float magnitude = exponent == 31  ? (fraction ? NAN : INFINITY)
+                          : exponent == 0 ? std::ldexp(static_cast<float>(fraction), -24)
+                                          : std::ldexp(static_cast<float>(1024 + fraction), static_cast<int>(exponent) - 25);
+  return bits & 0x8000 ? -magnitude : magnitude;
+}
+
+// Any values, and values within the exponents that the function wants; those only when it wants few.
+void fill_halves(const MeasuredFunction& function, uint32_t block, float* x, float* y, float* z) {
+  std::mt19937_64 random(kSeed + function.number * 1000003ull + block);
+  const auto limit = static_cast<uint32_t>(function.exponent_limit);
+  const bool unlimited = limit >= 15;
+  const auto operand = [&] {
+    const auto bits = static_cast<uint32_t>(random() >> 32);
+    const uint32_t exponent = unlimited ? 15 + bits / 65536 % 9 - 4 : 15 + bits / 65536 % (2 * limit + 1) - limit;
+    return from_half_bits(unlimited && bits & 1 ? bits >> 8 & 0xffff : (bits & 0x83ff) | exponent << 10);
+  };
+  for (uint32_t i = 0; i < kCount; ++i) {
+    x[i] = unlimited ? from_half_bits(i & 0xffff) : operand();
+    y[i] = operand();
+    z[i] = operand();
+    if (function.number == 165) x[i] = std::fabs(x[i]);  // pow
+  }
+}
+
+void fill_doubles(const MeasuredFunction& function, uint32_t block, float* x, float* y, float* z) {
+  std::mt19937_64 random(kSeed + function.number * 1000003ull + block);
+  const auto limit = static_cast<uint32_t>(function.exponent_limit);
+  const auto operand = [&] {
+    const uint64_t bits = random(), kind = random();
+    const uint64_t exponent = kind & 1 ? 1023 + kind / 8 % (2 * limit + 1) - limit : 1023 + kind / 8 % 17 - 8;
+    const uint64_t edge = (uint64_t{edge_significand(kind >> 16 & 0xffff)} << 29) + (bits & 3);
+    return bits >> 63 << 63 | exponent << 52 | (kind & 2 ? bits << 12 >> 12 : edge);
+  };
+  const auto put = [](float* array, uint32_t i, uint64_t bits) {
+    array[i] = from_bits(static_cast<uint32_t>(bits));
+    array[i + kCount / 2] = from_bits(static_cast<uint32_t>(bits >> 32));
+  };
+  for (uint32_t i = 0; i < kCount / 2; ++i) {
+    for (float* array : {x, y, z}) put(array, i, operand());
+  }
+}
+
 }  // namespace
 
 void fill_operands(const MeasuredFunction& function, bool exhaustive, uint32_t block, float* x, float* y, float* z) {
+  if (function.width == Width::k16) return fill_halves(function, block, x, y, z);
+  if (function.width == Width::k64) return fill_doubles(function, block, x, y, z);
   if (function.operands == 1) return fill_unary(exhaustive, block, x);
   Sampler sampler(function, block);
   for (uint32_t i = 0; i < kCount; ++i) {

@@ -4,12 +4,21 @@
 #include <vector>
 
 #include "shaders/measured_comp.h"
+#include "shaders/measured_double_comp.h"
+#include "shaders/measured_half_comp.h"
 
 namespace pineda::tools {
 namespace {
 
 constexpr uint32_t kGroupSize = 64;  // as in measured.comp
 constexpr size_t kBytes = SharedBlock::kElements * sizeof(float);
+
+// As MeasuredFunction::number says.
+Spirv shader_of(uint32_t function) {
+  if (function < 128) return measured_comp;
+  if (function < 192) return measured_half_comp;
+  return measured_double_comp;
+}
 
 }  // namespace
 
@@ -36,7 +45,7 @@ void ErrorProbe::select(uint32_t function, uint32_t operands) {
   const VkSpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof function};
   const VkSpecializationInfo specialization{1, &entry, sizeof function, &function};
   if (commands_) context_.release(commands_);
-  pipeline_ = create_compute_pipeline(context_, measured_comp, layout_, &specialization);
+  pipeline_ = create_compute_pipeline(context_, shader_of(function), layout_, &specialization);
   commands_ = context_.record([&](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);

@@ -1,7 +1,10 @@
 #include "tools/vk/context.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <string_view>
+#include <vector>
 
 #include "tools/error.h"
 
@@ -23,6 +26,14 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(std::vector<std::string>* mess
           .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
           .pfnUserCallback = on_validation_message,
           .pUserData = messages};
+}
+
+bool has_device_extension(VkPhysicalDevice device, std::string_view name) {
+  uint32_t count = 0;
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> all(count);
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "vkEnumerateDeviceExtensionProperties");
+  return std::ranges::any_of(all, [&](const VkExtensionProperties& one) { return name == one.extensionName; });
 }
 
 }  // namespace
@@ -83,13 +94,17 @@ void VkContext::create_instance(std::vector<std::string>* validation_messages) {
   const VkApplicationInfo application{
       .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "pineda", .apiVersion = VK_API_VERSION_1_0};
   const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(validation_messages);
-  VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
+  // The first is what VK_KHR_shader_float16_int8 depends on.
+  const char* const extensions[] = {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, extension};
+  VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                            .pApplicationInfo = &application,
+                            .enabledExtensionCount = 1,
+                            .ppEnabledExtensionNames = extensions};
   if (validation_messages) {
     info.pNext = &messenger;  // covers vkCreateInstance itself
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = &layer;
-    info.enabledExtensionCount = 1;
-    info.ppEnabledExtensionNames = &extension;
+    info.enabledExtensionCount = 2;
   }
   check(vkCreateInstance(&info, nullptr, &instance_), "vkCreateInstance");
   if (!validation_messages) return;
@@ -135,19 +150,19 @@ void VkContext::create_device() {
                                           .shaderImageGatherExtended = available.shaderImageGatherExtended,
                                           .shaderClipDistance = available.shaderClipDistance,
                                           .shaderFloat64 = available.shaderFloat64};
-  uint32_t extension_count = 0;
-  vkEnumerateDeviceExtensionProperties(physical_device_, nullptr, &extension_count, nullptr);
-  std::vector<VkExtensionProperties> extensions(extension_count);
-  vkEnumerateDeviceExtensionProperties(physical_device_, nullptr, &extension_count, extensions.data());
-  const char* const maintenance1 = VK_KHR_MAINTENANCE_1_EXTENSION_NAME;
-  for (const VkExtensionProperties& extension : extensions) {
-    has_maintenance1_ |= std::strcmp(extension.extensionName, maintenance1) == 0;
-  }
+  has_maintenance1_ = has_device_extension(physical_device_, VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
+  VkPhysicalDeviceShaderFloat16Int8Features half{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES,
+                                                 .shaderFloat16 = VK_TRUE};
+  const bool has_half = has_device_extension(physical_device_, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
+  std::vector<const char*> extensions;
+  if (has_maintenance1_) extensions.push_back(VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
+  if (has_half) extensions.push_back(VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = has_half ? &half : nullptr,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue_info,
-                                .enabledExtensionCount = has_maintenance1_ ? 1u : 0u,
-                                .ppEnabledExtensionNames = &maintenance1,
+                                .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data(),
                                 .pEnabledFeatures = &features};
   check(vkCreateDevice(physical_device_, &info, nullptr, &device_), "vkCreateDevice");
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
