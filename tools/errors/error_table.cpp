@@ -122,7 +122,10 @@ std::string ErrorTable::markdown() const {
   text +=
       "\n\"Other specials\": an infinity or NaN where the exact result is a number or the other of the two, and the reverse; "
       "Vulkan "
-      "leaves them open. \"sampled\": 2^20 operands so far, of every sign and exponent.\n";
+      "leaves them open. \"sampled\": 2^20 operands so far, of every sign and exponent. Functions of bits (unpack..., "
+      "int to float) have no denormal or special operands, so their last two columns say nothing. A 1 or 2 misrounded by an "
+      "exact "
+      "column of 2^32 is a result that is nearer to a tie than binary64 tells apart.\n";
   return text;
 }
 
