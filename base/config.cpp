@@ -31,6 +31,10 @@ constexpr FlagRow kFlags[] = {
     {"nofastclear", kDebugNoFastClear, "no clears as tile state (same bits)"},
     {"noopaque", kDebugNoOpaque, "opaque covers drop nothing (same bits)"},
     {"noequal", kDebugNoEqualSamples, "every sample has its own colour, even where all are equal (same bits)"},
+    {"nooutside", kDebugNoOutside, "batches of triangles that cannot be seen do not leave after their positions (same bits)"},
+    {"nomissed", kDebugNoMissed, "small triangles that no sample sees are set up and binned (same bits)"},
+    {"nolazy", kDebugNoLazy, "loads and stores of tiles that the pass does not want are done (same bits)"},
+    {"nounread", kDebugNoUnread, "vertex outputs that no fragment shader reads are kept (same bits)"},
 };
 
 std::string text(const char* name) {

@@ -27,6 +27,10 @@ enum DebugFlag : uint32_t {
   kDebugSpecialize = 1u << 11,      // pipelines are specialised before their first draw
   kDebugNoEqualSamples = 1u << 12,  // every sample has its own colour
   kDebugExplain = 1u << 13,         // what was left out, in words
+  kDebugNoOutside = 1u << 17,       // batches that cannot be seen go on after their positions
+  kDebugNoMissed = 1u << 14,        // small triangles that no sample sees are set up and binned
+  kDebugNoLazy = 1u << 15,          // loads and stores that the pass does not want are done
+  kDebugNoUnread = 1u << 16,        // vertex outputs that no fragment shader reads are computed and stored
   kDebugHeatMap = 1u << 20,         // a picture of each pass's bins
 };
 

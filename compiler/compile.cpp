@@ -1,5 +1,8 @@
 #include "compiler/compile.h"
 
+#include <algorithm>
+
+#include "base/config.h"
 #include "base/parallel_for.h"
 #include "compiler/code_store.h"
 #include "compiler/kernel_cache.h"
@@ -35,6 +38,15 @@ Result<void> finish_both(Executable& a, Executable& b, CodeStore* store) {
   return done[0] ? done[1] : done[0];
 }
 
+// PINEDA_DEBUG=nounread: the vertex outputs that the fragment kernel does not read as well.
+void add_unread(const spirv::ModuleInfo& vertex, std::vector<VaryingSlot>& varyings) {
+  for (const spirv::InterfaceScalar& out : vertex.outputs) {
+    const VaryingSlot slot{out.location, out.component};
+    if (out.built_in || ir::size_bytes(out.type) != 4 || out.component > 3) continue;
+    if (std::find(varyings.begin(), varyings.end(), slot) == varyings.end()) varyings.push_back(slot);
+  }
+}
+
 }  // namespace
 
 Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
@@ -51,6 +63,7 @@ Result<GraphicsKernels> compile_graphics(const GraphicsSource& source) {
   }
   std::vector<VaryingSlot> varyings = (*fragment_code)->varyings;
   const kernels::Shader vertex_shader = kernels::shader_of(*source.vertex);
+  if (debug(kDebugNoUnread)) add_unread(vertex_shader.info, varyings);
   const VertexOutputs outputs = kernels::add_vertex_outputs(vertex_shader.info, source.draws_points, varyings);
   Result<ir::Kernel> vertex = kernels::build_vertex(source, vertex_shader, varyings);
   if (!vertex) return std::unexpected(vertex.error());

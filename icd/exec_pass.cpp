@@ -26,9 +26,10 @@ void write_file(const std::string& path, const char* mode, const std::string& by
 
 // What PINEDA_DEBUG=stats, PINEDA_STATS and PINEDA_DEBUG=heatmap ask for.
 void report_statistics(const raster::Pass& pass, const raster::PassStatistics& statistics) {
-  if (debug(kDebugStats)) report(Severity::kInfo, "render pass: " + raster::statistics_text(statistics));
+  if (debug(kDebugStats)) report(Severity::kInfo, "render pass: " + raster::statistics_text(statistics, pass.thread_times()));
   if (!config().stats_file.empty()) {
-    write_file(config().stats_file, "ae", raster::statistics_json(statistics, pass.draw_statistics()) + "\n");
+    write_file(config().stats_file, "ae",
+               raster::statistics_json(statistics, pass.draw_statistics(), pass.thread_times()) + "\n");
   }
   if (debug(kDebugHeatMap)) {
     static std::atomic<uint32_t> number = 0;

@@ -239,7 +239,7 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
   const WindowVertices& w = *view.window;
   const bool front_is_clockwise = packet.front_face == VK_FRONT_FACE_CLOCKWISE;
   const SmallSetupState state{draw.rect_at(view.viewport), is_culled(packet, front_is_clockwise),
-                              is_culled(packet, !front_is_clockwise), draw.samples == 1};
+                              is_culled(packet, !front_is_clockwise), draw.samples == 1 && options_->missed_triangles};
   if (state.cull_clockwise && state.cull_counter_clockwise) {  // their vertices may have had effects; they have none
     statistics.triangles_culled += count;
     statistics.culled_facing += count;
@@ -369,17 +369,40 @@ void GeometryWorker::run_routed(const Draw& draw, const BatchView& view, uint64_
   }
 }
 
+// Whether all vertices of a batch of filled triangles are outside of one plane, or beyond one side of what may be drawn. A mesh
+// that is seen is told by its first vertices.
+bool GeometryWorker::sees_nothing(const Draw& draw, uint32_t vertices) const {
+  if (draw.routes || draw.kind != PrimitiveKind::kTriangle || draw.packet.polygon_mode != VK_POLYGON_MODE_FILL) return false;
+  const WindowVertices& w = batch_.window();
+  const Rect& rect = draw.rect;
+  uint32_t codes = 0xFFFF, sides = 0xF;
+  for (uint32_t v = 0; v < vertices && (codes | sides) != 0; ++v) {
+    codes &= w.code[v];
+    const int32_t x = w.x_fx8[v] >> 8, y = w.y_fx8[v] >> 8;  // pixels: as touched_bounds()
+    const uint32_t beyond = static_cast<uint32_t>(x < rect.x0) | static_cast<uint32_t>(x >= rect.x1) << 1 |
+                            static_cast<uint32_t>(y < rect.y0) << 2 | static_cast<uint32_t>(y >= rect.y1) << 3;
+    sides &= w.code[v] == 0 ? beyond : 0;  // only then there are coordinates
+  }
+  return (codes | sides) != 0;
+}
+
 void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count) {
+  const PassStatistics before = statistics;
+  const size_t binned = chunk_->triangles.size();
   const Arena::Mark vertices_mark = chunk_->vertices.mark();
   const size_t batches_mark = chunk_->batches.size();
   const uint32_t vertices = batch_.shade(draw, first, count, *chunk_, context_, transform_);
   statistics.vertices_shaded += vertices;
   statistics.triangles_in += count;
+  if (options_->outside_batches && sees_nothing(draw, vertices)) {
+    ++statistics.batches_outside;
+    statistics.triangles_culled += count;
+    chunk_->vertices.rewind(vertices_mark);
+    return count_for_draw(draw, before, binned);
+  }
   const BatchView view{
       &batch_.window(), batch_.vertices(), draw.packet.vertex_slots, static_cast<uint32_t>(chunk_->batches.size()), 0, 0};
   chunk_->batches.push_back({&draw, batch_.vertices()});
-  const PassStatistics before = statistics;
-  const size_t binned = chunk_->triangles.size();
   const uint64_t in_instance = first % draw.prims_per_instance;
   if (draw.routes) [[unlikely]] {
     transform_to_viewports(draw, count);
@@ -388,19 +411,23 @@ void GeometryWorker::run_batch(const Draw& draw, uint64_t first, uint32_t count)
     binner_.set_layer(0);
     run_primitives(draw, view, in_instance, 0, count);
   }
-  if (draw.counters) [[unlikely]] {
-    DrawCounters& c = *draw.counters;
-    c.vertices_shaded += vertices;
-    c.primitives_in += count;
-    c.triangles_clipped += statistics.triangles_clipped - before.triangles_clipped;
-    c.triangles_culled += statistics.triangles_culled - before.triangles_culled;
-    c.triangles_binned += chunk_->triangles.size() - binned;
-  }
+  count_for_draw(draw, before, binned);
   if (chunk_->triangles.size() == binned) {  // nothing is left of the batch: the next one's vertices take its place in the cache
     chunk_->vertices.rewind(vertices_mark);
     chunk_->batches.truncate(batches_mark);
     if (clip_batch_ >= batches_mark) clip_draw_ = nullptr;
   }
+}
+
+void GeometryWorker::count_for_draw(const Draw& draw, const PassStatistics& before, size_t binned_before) {
+  if (!draw.counters) [[likely]]
+    return;
+  DrawCounters& c = *draw.counters;
+  c.vertices_shaded += statistics.vertices_shaded - before.vertices_shaded;
+  c.primitives_in += statistics.triangles_in - before.triangles_in;
+  c.triangles_clipped += statistics.triangles_clipped - before.triangles_clipped;
+  c.triangles_culled += statistics.triangles_culled - before.triangles_culled;
+  c.triangles_binned += chunk_->triangles.size() - binned_before;
 }
 
 void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count) {
@@ -427,6 +454,7 @@ uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ra
   small_gather_ = small_gather_function(options.isa);
   small_setup_ = small_setup_function(options.isa);
   chunk_ = &chunk;
+  options_ = &options;
   clip_draw_ = nullptr;
   binner_.begin(grid);
   uint64_t done = 0;

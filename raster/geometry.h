@@ -26,6 +26,8 @@ class GeometryWorker {
 
  private:
   void run_batch(const Draw& draw, uint64_t first, uint32_t count);
+  void count_for_draw(const Draw& draw, const PassStatistics& before, size_t binned_before);
+  bool sees_nothing(const Draw& draw, uint32_t vertices) const;
   void run_clear(const Draw& draw, uint64_t first, uint32_t count);
 
   // Vertices of a batch: its number, their records and window coordinates.
@@ -83,6 +85,7 @@ class GeometryWorker {
   void setup_point(const Draw& draw, const BatchView& view, uint16_t v, const Outline& outline);
 
   Chunk* chunk_ = nullptr;
+  const Options* options_ = nullptr;
   Binner binner_;
   TransformFn transform_ = nullptr;
   SmallGatherFn small_gather_ = nullptr;

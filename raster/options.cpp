@@ -14,6 +14,9 @@ Options default_options() {
   options.fast_clear = !debug(kDebugNoFastClear);
   options.equal_samples = !debug(kDebugNoEqualSamples);
   options.opaque = !debug(kDebugNoOpaque);
+  options.outside_batches = !debug(kDebugNoOutside);
+  options.missed_triangles = !debug(kDebugNoMissed);
+  options.lazy_memory = !debug(kDebugNoLazy);
   options.timing = options.per_draw = debug(kDebugStats) || !config().stats_file.empty();
   options.heat_map = debug(kDebugHeatMap);
   options.isa = isa_from_name(config().isa);

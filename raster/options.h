@@ -18,6 +18,9 @@ struct Options {
   bool fast_clear = true;                      // fill untouched tiles straight in memory
   bool equal_samples = true;                   // keep the colours of a block once while its samples are equal
   bool opaque = true;                          // opaque full-tile covers drop what lies under them
+  bool outside_batches = true;                 // triangles of a batch that cannot be seen leave after their positions
+  bool missed_triangles = true;                // small triangles that no sample sees are not set up
+  bool lazy_memory = true;                     // loads and stores that the pass does not want are left out
   size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
   size_t max_chunk_entries = 1 << 20;          // bin entries after which a chunk is cut: 4 MiB

@@ -98,6 +98,8 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
   uint32_t bytes_per_px = 0;
   const auto attach = [&](uint32_t slot, const Attachment& from) {
     scene.attachments[slot] = make_attachment(from, pack_clear(from.format, from.clear));
+    if (!options.lazy_memory && from.store == VK_ATTACHMENT_STORE_OP_DONT_CARE)
+      scene.attachments[slot].store = scene.attachments[slot].address != nullptr;
     bytes_per_px += scene.attachments[slot].texel_bytes * desc.samples;
   };
   for (uint32_t i = 0; i < scene.color_count; ++i) attach(i, desc.color[i]);
@@ -253,6 +255,8 @@ std::vector<DrawStatistics> Pass::draw_statistics() const {
   }
   return draws;
 }
+
+std::vector<ThreadTimes> Pass::thread_times() const { return state_->thread_times; }
 
 Pass::HeatMap Pass::heat_map() const {
   const TileGrid& grid = state_->scene.grid;

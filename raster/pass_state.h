@@ -49,6 +49,7 @@ struct Pass::State {
   size_t committed_bytes = 0;
   PassStatistics statistics{};
   std::deque<DrawCounters> counters;  // with Options::per_draw
+  std::vector<ThreadTimes> thread_times;
   std::vector<uint64_t> bin_entries;  // of each tile, with Options::heat_map
 };
 

@@ -102,6 +102,63 @@ TEST(Pass, NothingButTheSceneDecidesTheBits) {
   }
 }
 
+// Each omission alone, and nothing left out at all.
+TEST(Pass, EachOmissionAloneChangesNoBit) {
+  RandomScene scene(7, 5, 400, VK_COMPARE_OP_LESS);
+  Target expected(RandomScene::kWidth, RandomScene::kHeight);
+  scene.render(expected, plain_options(), 1, true);
+  constexpr bool Options::*kOmissions[] = {&Options::hi_z,          &Options::fast_clear,      &Options::opaque,
+                                           &Options::equal_samples, &Options::outside_batches, &Options::missed_triangles,
+                                           &Options::lazy_memory};
+  for (size_t off = 0; off <= std::size(kOmissions); ++off) {
+    Options options = test_options();
+    for (size_t i = 0; i < std::size(kOmissions); ++i) options.*kOmissions[i] = off < std::size(kOmissions) && i != off;
+    Target got(RandomScene::kWidth, RandomScene::kHeight);
+    scene.render(got, options, 2, true);
+    EXPECT_TRUE(got.color == expected.color && got.depth == expected.depth) << "omission " << off;
+  }
+}
+
+// Meshes beside the target, before the near plane and behind the viewer leave batch by batch; a batch of which one triangle
+// reaches into the target stays.
+TEST(Pass, BatchesOutsideLeaveAfterTheirPositions) {
+  for (const bool leave : {true, false}) {
+    Options options = test_options();
+    options.outside_batches = leave;
+    ThreadPool pool(1);
+    Target target(64, 64);
+    Pass pass(pool, target.desc(), options);
+    std::vector<std::unique_ptr<TestDraw>> draws;
+    const auto mesh = [&](float x, float y, float z, float w, bool reaches) {
+      draws.push_back(std::make_unique<TestDraw>(4, count_kernel));
+      for (int i = 0; i < 600; ++i) {
+        const float dx = 0.01f * static_cast<float>(i % 20), dy = 0.01f * static_cast<float>(i / 20);
+        draws.back()->add({x + dx, y + dy, z, w});
+        draws.back()->add({x + dx + 0.02f, y + dy, z, w});
+        draws.back()->add({reaches && i == 599 ? 0 : x + dx, y + dy + 0.02f, z, w});
+      }
+      pass.draw(draws.back()->packet(64, 64));
+    };
+    mesh(1.05f, 0, 0.5f, 1, false);
+    mesh(-2, 0, 0.5f, 1, false);
+    mesh(0, 1.1f, 0.5f, 1, false);
+    mesh(0, -2, 0.5f, 1, false);
+    mesh(0, 0, -0.5f, 1, false);
+    mesh(0, 0, 0.5f, -1, false);
+    mesh(1.05f, 0, 0.5f, 1, true);
+    const PassStatistics s = pass.end();
+    // All but the last one's last; where batches begin follows from the sizes of geometry jobs.
+    if (leave) {
+      EXPECT_GE(s.batches_outside, 7 * 600u / 512 + 1);
+    } else {
+      EXPECT_EQ(s.batches_outside, 0u);
+    }
+    EXPECT_EQ(s.triangles_in, 7 * 600u);
+    EXPECT_EQ(s.triangles_culled, 7 * 600u - 1);
+    EXPECT_GT(s.fragments_shaded, 0u);
+  }
+}
+
 // Hi-Z must find something to do in a scene that hides most of itself, and still change nothing.
 TEST(Pass, HiZRejectsHiddenLayers) {
   for (const bool reverse : {false, true}) {

@@ -129,6 +129,11 @@ struct DrawStatistics {
   uint64_t blocks_shaded = 0;
 };
 
+// What one thread of the pool spent on the pass, when Options::timing asks for it.
+struct ThreadTimes {
+  uint64_t geometry_ns = 0, tiles_ns = 0;
+};
+
 struct Options;  // raster/options.h: what must not change a bit
 
 class Pass {
@@ -148,6 +153,7 @@ class Pass {
   PassStatistics end();
   // After end(), if Options asked for them: each draw that was recorded; bin entries of each tile, row by row.
   std::vector<DrawStatistics> draw_statistics() const;
+  std::vector<ThreadTimes> thread_times() const;  // of each thread
   struct HeatMap {
     uint32_t columns = 0, rows = 0;  // layers one below the other
     std::vector<uint64_t> entries;

@@ -190,11 +190,16 @@ void Pass::State::run_recorded(bool last) {
   flush(last);
   workspace->draws.clear();
   recorded_prims = 0;
-  for (const std::unique_ptr<GeometryWorker>& worker : workspace->geometry) {
-    if (worker) add_statistics(statistics, std::exchange(worker->statistics, {}));
-  }
-  for (const std::unique_ptr<TileWorker>& worker : workspace->tile) {
-    if (worker) add_statistics(statistics, std::exchange(worker->statistics, {}));
+  thread_times.resize(pool.threads());
+  for (uint32_t t = 0; t < pool.threads(); ++t) {
+    if (const auto& worker = workspace->geometry[t]) {
+      thread_times[t].geometry_ns += worker->statistics.geometry_ns;
+      add_statistics(statistics, std::exchange(worker->statistics, {}));
+    }
+    if (const auto& worker = workspace->tile[t]) {
+      thread_times[t].tiles_ns += worker->statistics.tiles_ns;
+      add_statistics(statistics, std::exchange(worker->statistics, {}));
+    }
   }
 }
 

@@ -24,7 +24,7 @@ void append(std::string& json, const char* name, uint64_t value) {
 
 }  // namespace
 
-std::string statistics_text(const PassStatistics& statistics) {
+std::string statistics_text(const PassStatistics& statistics, std::span<const ThreadTimes> threads) {
   std::string text;
   for (const Row& row : kRows) {
     if (statistics.*row.value == 0) continue;
@@ -32,10 +32,15 @@ std::string statistics_text(const PassStatistics& statistics) {
     text += row.name;
     text += ' ' + std::to_string(statistics.*row.value);
   }
+  for (size_t t = 0; t < threads.size(); ++t) {
+    text += "; thread " + std::to_string(t) + ": geometry_ns " + std::to_string(threads[t].geometry_ns) + ", tiles_ns " +
+            std::to_string(threads[t].tiles_ns);
+  }
   return text;
 }
 
-std::string statistics_json(const PassStatistics& statistics, std::span<const DrawStatistics> draws) {
+std::string statistics_json(const PassStatistics& statistics, std::span<const DrawStatistics> draws,
+                            std::span<const ThreadTimes> threads) {
   std::string json = "{";
   for (const Row& row : kRows) append(json, row.name, statistics.*row.value);
   json += ",\"per_draw\":[";
@@ -48,6 +53,14 @@ std::string statistics_json(const PassStatistics& statistics, std::span<const Dr
     append(json, "triangles_culled", draw.triangles_culled);
     append(json, "triangles_binned", draw.triangles_binned);
     append(json, "blocks_shaded", draw.blocks_shaded);
+    json += '}';
+  }
+  json += "],\"per_thread\":[";
+  for (const ThreadTimes& thread : threads) {
+    if (json.back() != '[') json += ',';
+    json += '{';
+    append(json, "geometry_ns", thread.geometry_ns);
+    append(json, "tiles_ns", thread.tiles_ns);
     json += '}';
   }
   return json + "]}";

@@ -54,10 +54,16 @@ TEST(Statistics, CountsReasonsAndDrawsAddUp) {
   ASSERT_EQ(map.entries.size(), 16u);
   EXPECT_EQ(map.entries[0], 2u);
   EXPECT_EQ(map.entries[15], 0u);
-  const std::string json = statistics_json(s, draws);
+  const std::vector<ThreadTimes> threads = pass.thread_times();
+  ASSERT_EQ(threads.size(), 2u);
+  EXPECT_EQ(threads[0].geometry_ns + threads[1].geometry_ns, s.geometry_ns);
+  EXPECT_EQ(threads[0].tiles_ns + threads[1].tiles_ns, s.tiles_ns);
+  EXPECT_EQ(s.blocks_accepted, 2 * 120u) << "4x4 blocks under the diagonal: 15 + 14 + ...";
+  const std::string json = statistics_json(s, draws, threads);
+  EXPECT_NE(json.find("\"per_thread\":[{\"geometry_ns\":"), std::string::npos);
   EXPECT_EQ(json.find("{\"draws\":2,"), 0u);
   EXPECT_NE(json.find("\"per_draw\":[{\"vertices_shaded\":12,\"primitives_in\":4,"), std::string::npos);
-  EXPECT_NE(statistics_text(s).find("culled_facing 1, culled_no_sample 1"), std::string::npos);
+  EXPECT_NE(statistics_text(s, threads).find("culled_facing 1, culled_no_sample 1"), std::string::npos);
   EXPECT_EQ(heat_map_pgm(map.columns, map.rows, map.entries).substr(0, 12), std::string("P5 4 4 255\n\xFF"));
 }
 

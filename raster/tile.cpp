@@ -66,7 +66,7 @@ void TileWorker::count_bytes(const Scene& scene, const TileState& state) {
     const PassAttachment& a = scene.attachments[slot];
     if (!a.address) continue;
     const uint64_t bytes = pixels * a.texel_bytes;
-    const bool covered = state.covered && slot < scene.color_count;
+    const bool covered = state.covered && slot < scene.color_count && scene.options.lazy_memory;
     if ((a.load || state.in_memory) && !covered) statistics.bytes_loaded += bytes * scene.samples();
     if (a.store || !scene.last_flush) statistics.bytes_stored += bytes * scene.samples();
     if (a.resolve.fn && scene.last_flush) statistics.bytes_stored += bytes;
@@ -470,12 +470,10 @@ void TileWorker::flush() {
   const DrawPacket& packet = draw_->packet;
   ThreadContext& context = attachments_.context();
   if (scene_->samples() == 1 && !draw_->smooth) {
-    for (uint32_t i = 0; i < wave_count_; ++i)
-      statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(waves_[i].coverage));
+    for (uint32_t i = 0; i < wave_count_; ++i) count_lanes(waves_[i].coverage);
     packet.fragment(packet.context, &context, records_, prim_count_, waves_);
   } else if (!packet.per_sample) {
-    for (uint32_t i = 0; i < wave_count_; ++i)
-      statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(sample_waves_[i].wave.coverage));
+    for (uint32_t i = 0; i < wave_count_; ++i) count_lanes(sample_waves_[i].wave.coverage);
     packet.fragment(packet.context, &context, records_, prim_count_, sample_waves_.data());
   } else if (draw_->smooth) {
     flush_smooth_samples();
@@ -509,7 +507,7 @@ void TileWorker::flush_samples() {
         one.coverage = lanes;
         one.block_index = wave.wave.block_index * samples + s;
         expanded_.push_back(one);
-        statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(lanes));
+        count_lanes(lanes);
       }
     }
     record.first_wave = first;
@@ -532,7 +530,7 @@ void TileWorker::flush_smooth_samples() {
       for (uint32_t s = 0; s < samples; ++s) {
         wave.wave.block_index = block * samples + s;
         expanded_smooth_.push_back(wave);
-        statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(wave.wave.coverage));
+        count_lanes(wave.wave.coverage);
       }
     }
     record.first_wave = first;

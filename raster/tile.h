@@ -42,6 +42,10 @@ class TileWorker {
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   bool wants_hi_z(uint32_t count);
   void flush();
+  void count_lanes(uint32_t lanes) {
+    statistics.fragments_shaded += static_cast<uint32_t>(__builtin_popcount(lanes));
+    statistics.blocks_accepted += lanes == 0xFFFF;
+  }
   void flush_samples();
   void flush_smooth_samples();
   // Wave: FragmentWave, or FragmentSampleWave with several samples a pixel.

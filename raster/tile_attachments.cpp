@@ -69,9 +69,13 @@ void TileAttachments::load(const Scene& scene, const TileState& state) {
   bool from_memory = state.in_memory;
   for (uint32_t i = 0; i < scene.color_count; ++i) from_memory |= context_.color[i] && scene.attachments[i].load;
   const bool once = !from_memory && scene.options.equal_samples;
-  if (scene.samples() > 1) std::memset(equal_.data(), scene.options.equal_samples && (once || state.covered), block_count());
+  if (scene.samples() > 1) {
+    const bool replaced = state.covered && scene.options.lazy_memory;
+    std::memset(equal_.data(), scene.options.equal_samples && (once || replaced), block_count());
+  }
+  const bool covered = state.covered && scene.options.lazy_memory;
   for (uint32_t i = 0; i < scene.color_count; ++i) {
-    if (context_.color[i] && !state.covered) load_slot(scene, state, i, once);
+    if (context_.color[i] && !covered) load_slot(scene, state, i, once);
   }
   if (context_.depth) load_slot(scene, state, Scene::kDepthSlot, false);
   if (context_.stencil) load_slot(scene, state, Scene::kStencilSlot, false);
@@ -129,13 +133,13 @@ bool TileAttachments::finish_untouched(const Scene& scene, const TileState& stat
     const PassAttachment& a = scene.attachments[slot];
     if (!a.address) continue;
     const bool in_memory = a.load || state.in_memory, resolves = a.resolve.fn != nullptr;
-    if ((in_memory || !a.store) && !resolves) continue;
+    if ((in_memory || !a.store) && !resolves && scene.options.lazy_memory) continue;
     written = true;
     if (in_memory || !scene.options.fast_clear) {  // the long way round: with fast clears only to resolve what is in memory
       if (slot < scene.color_count) std::memset(equal_.data(), 0, block_count());
       load_slot(scene, state, slot, false);
       if (resolves) resolve_slot(scene, slot);
-      if (a.store && !in_memory) store_slot(scene, slot);
+      if (a.store && (!in_memory || !scene.options.lazy_memory)) store_slot(scene, slot);
       continue;
     }
     const uint8_t* texel = a.clear_texel.data();
