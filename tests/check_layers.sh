@@ -16,7 +16,7 @@ forbid() {  # forbid PATTERN REASON FILES...
   fi
 }
 
-sources() { find "$@" -name '*.h' -o -name '*.cpp' -o -name '*.inc' | grep -v '_test\.cpp$'; }
+sources() { find "$@" -name '*.h' -o -name '*.cpp' -o -name '*.inc' | grep -vE '_test\.cpp$|/test_[a-z]+\.h$'; }
 
 forbid '#include "(compiler|raster|icd|tools|tests)/' 'base includes another layer' $(sources base)
 forbid '#include "(raster|icd|tools|tests)/' 'compiler includes another layer' $(sources compiler)

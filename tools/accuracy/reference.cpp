@@ -6,8 +6,8 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <thread>
+#include <vector>
 
-#include "base/sample_locations.h"
 #include "tools/accuracy/reference_shaders.h"
 
 namespace pineda::tools {
@@ -15,6 +15,27 @@ namespace {
 
 using glm::dvec2;
 using glm::dvec4;
+
+struct SampleLocation {
+  int x, y;  // 1/16 px from the pixel's top left corner
+};
+
+// "Standard sample locations", Vulkan 1.3, section 25.3; written down again, as the reference shares no code with the driver.
+std::vector<SampleLocation> sample_locations(uint32_t count) {
+  switch (count) {
+    case 2:
+      return {{12, 12}, {4, 4}};
+    case 4:
+      return {{6, 2}, {14, 6}, {2, 10}, {10, 14}};
+    case 8:
+      return {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}};
+    case 16:
+      return {{9, 9},  {7, 5}, {5, 10}, {12, 7}, {3, 6}, {10, 13}, {13, 11}, {11, 3},
+              {6, 14}, {8, 1}, {4, 2},  {2, 12}, {0, 8}, {15, 4},  {14, 15}, {1, 0}};
+    default:
+      return {{8, 8}};
+  }
+}
 
 constexpr double kDepthResolution = 1e-6;  // of binary32 near 1, with what interpolation loses
 
@@ -202,8 +223,7 @@ ReferencePicture render_reference(const SuiteScene& scene, uint32_t width, uint3
 
 std::vector<dvec2> standard_samples(uint32_t count) {
   std::vector<dvec2> samples;
-  const SampleLocation* const locations = sample_locations(count);
-  for (uint32_t i = 0; i < count; ++i) samples.emplace_back(locations[i].x / 16.0, locations[i].y / 16.0);
+  for (const SampleLocation& location : sample_locations(count)) samples.emplace_back(location.x / 16.0, location.y / 16.0);
   return samples;
 }
 
