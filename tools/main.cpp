@@ -36,7 +36,7 @@ struct Arguments {
   uint32_t timeout_s = 120;
   std::string functions, columns = "fast,default,exact,lavapipe", errors_file = "docs/errors.md";
   bool quick = false;
-  bool extreme = false, truth = false, validate = false, hash = false, update = false, list = false;
+  bool extreme = false, truth = false, validate = false, hash = false, update = false, list = false, scaling = false;
 };
 
 int run_compare_capture(const Arguments& arguments) {
@@ -120,8 +120,12 @@ int run_bench(const Arguments& arguments) {
     list_bench_rows();
     return 0;
   }
-  return bench({.drivers = parse_drivers(arguments.drivers),
-                .filter = arguments.filter,
+  // How work grows from one thread to two, with triangles and with pixels.
+  const std::string drivers = arguments.scaling ? "pineda@PINEDA_THREADS=2,pineda@PINEDA_THREADS=1" : arguments.drivers;
+  const std::string filter =
+      arguments.scaling && arguments.filter.empty() ? "grow-,layers,lit-mesh,depth-only" : arguments.filter;
+  return bench({.drivers = parse_drivers(drivers),
+                .filter = filter,
                 .rounds = arguments.rounds,
                 .budget_ms = arguments.budget_ms,
                 .json_path = arguments.json});
@@ -191,6 +195,7 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   bench->add_flag("--list", arguments.list, "list the rows");
+  bench->add_flag("--scaling", arguments.scaling, "two threads beside one, and rows that grow with triangles and pixels");
   bench->callback([&] { status = run_bench(arguments); });
 
   CLI::App* const report = app.add_subcommand("report", "error against run time, at each precision and sample count");

@@ -7,6 +7,7 @@
 #include "tools/error.h"
 #include "tools/scenes/sampling.h"
 #include "tools/scenes/scenes.h"
+#include "tools/scenes/states.h"
 
 namespace pineda::tools {
 namespace {
@@ -32,6 +33,18 @@ constexpr SceneInfo kScenes[] = {
      nullptr},
     {"primitives", "Primitives", "Points, lines, strips, fans, polygon modes and a clip distance", make_primitives_scene,
      nullptr},
+    {"blend-modes", "Blend modes", "Every factor and operation, a cell each",
+     [] { return make_states_scene(StatesKind::kBlendModes); }, nullptr},
+    {"stencil", "Stencil", "An outline, parity, overlaps counted, a hole", [] { return make_states_scene(StatesKind::kStencil); },
+     nullptr},
+    {"stencil-4x", "Stencil, 4 samples", "The same, with 4 samples a pixel",
+     [] { return with_samples(make_states_scene(StatesKind::kStencil), 4); }, nullptr},
+    {"depth-bias", "Depth bias", "A plane and its decal under constant and slope biases",
+     [] { return make_states_scene(StatesKind::kDepthBias); }, nullptr},
+    {"line-modes", "Line modes", "Rectangular, Bresenham and smooth lines: thin, wide, stippled",
+     [] { return make_states_scene(StatesKind::kLineModes); }, nullptr, 0.97},
+    {"restart", "Primitive restart", "Strips and fans of triangles, strips of lines",
+     [] { return make_states_scene(StatesKind::kRestart); }, nullptr},
     {"mandelbrot", "Mandelbrot", "Compute shader into a storage buffer", make_mandelbrot_scene, nullptr},
     {"filtering", "Filtering", "A texture from magnified to its smallest level, trilinear",
      [] { return make_sampling_scene(SamplingKind::kFiltering); }, nullptr, 0.7},

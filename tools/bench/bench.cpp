@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/bench/bench_scenes.h"
 #include "tools/bench/rows.h"
 #include "tools/driver_process.h"
 #include "tools/error.h"
@@ -111,7 +112,7 @@ class BenchDriver {
 };
 
 bool is_selected(const BenchRowInfo& row, const std::string& filter) {
-  if (filter.empty()) return true;
+  if (filter.empty()) return !row.name.starts_with(kGrowthPrefix);
   for (size_t begin = 0; begin <= filter.size();) {
     const size_t end = std::min(filter.find(',', begin), filter.size());
     if (end > begin && row.name.find(filter.substr(begin, end - begin)) != std::string::npos) return true;

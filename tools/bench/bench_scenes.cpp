@@ -39,6 +39,16 @@ std::span<const BenchScene> bench_scenes() {
        [] { return with_samples(make_lit_mesh_scene({.columns = 512, .rows = 256}), 8); }},
       {"depth-only", "depth of 1 M triangles", {2048, 2048}, mesh({.columns = 1000, .rows = 500, .depth_only = true})},
       {"many-draws", "10,000 draws of 16 triangles", kHd, mesh({.columns = 400, .rows = 200, .draw_count = 10'000})},
+      {"pass-clears", "a render pass that clears colour and depth, and draws nothing", kFullHd,
+       layers(LayerKind::kLitFrontToBack, 0)},
+      {"grow-16k", "lit-mesh with 16 k triangles", kHd, mesh({.columns = 128, .rows = 64})},
+      {"grow-65k", "lit-mesh with 65 k triangles", kHd, mesh({.columns = 256, .rows = 128})},
+      {"grow-1m", "lit-mesh with 1 M triangles", kHd, mesh({.columns = 1024, .rows = 512})},
+      {"grow-360p", "16 lit layers front to back at a quarter of the pixels", {640, 360}, layers(LayerKind::kLitFrontToBack, 16)},
+      {"grow-1440p",
+       "16 lit layers front to back at four times the pixels",
+       {2560, 1440},
+       layers(LayerKind::kLitFrontToBack, 16)},
   };
   return scenes;
 }

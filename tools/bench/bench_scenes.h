@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "tools/scene.h"
 
@@ -15,6 +16,9 @@ struct BenchScene {
   VkExtent2D extent;
   std::function<std::unique_ptr<Scene>()> create;
 };
+
+// Rows that show how others grow are left out unless they are asked for (`pineda bench --scaling`).
+inline constexpr std::string_view kGrowthPrefix = "grow-";
 
 std::span<const BenchScene> bench_scenes();
 

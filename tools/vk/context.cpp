@@ -151,14 +151,31 @@ void VkContext::create_device() {
                                           .shaderClipDistance = available.shaderClipDistance,
                                           .shaderFloat64 = available.shaderFloat64};
   has_maintenance1_ = has_device_extension(physical_device_, VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
+  VkPhysicalDeviceLineRasterizationFeaturesEXT lines{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT};
   VkPhysicalDeviceShaderFloat16Int8Features half{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES,
                                                  .shaderFloat16 = VK_TRUE};
   const bool has_half = has_device_extension(physical_device_, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
+  const bool has_lines = has_device_extension(physical_device_, VK_EXT_LINE_RASTERIZATION_EXTENSION_NAME);
+  if (has_lines) {
+    VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &lines};
+    const auto get = reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2KHR>(
+        vkGetInstanceProcAddr(instance_, "vkGetPhysicalDeviceFeatures2KHR"));
+    if (get) get(physical_device_, &all);
+  }
   std::vector<const char*> extensions;
+  void* chain = nullptr;
   if (has_maintenance1_) extensions.push_back(VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
-  if (has_half) extensions.push_back(VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
+  if (has_half) {
+    extensions.push_back(VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
+    chain = &half;
+  }
+  if (has_lines) {
+    extensions.push_back(VK_EXT_LINE_RASTERIZATION_EXTENSION_NAME);
+    lines.pNext = chain;
+    chain = &lines;
+  }
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .pNext = has_half ? &half : nullptr,
+                                .pNext = chain,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue_info,
                                 .enabledExtensionCount = static_cast<uint32_t>(extensions.size()),

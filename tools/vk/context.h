@@ -1,5 +1,5 @@
 // A small Vulkan 1.0 client: instance, device, one queue, and submission with a fence. All scenes and benchmark rows use it, with
-// core features, and VK_KHR_maintenance1 where the driver has it.
+// core features, VK_KHR_maintenance1 where the driver has it, and the modes of lines.
 #pragma once
 
 #include <functional>

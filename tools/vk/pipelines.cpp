@@ -123,8 +123,8 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
       .pVertexBindingDescriptions = desc.vertex_bindings.data(),
       .vertexAttributeDescriptionCount = static_cast<uint32_t>(desc.vertex_attributes.size()),
       .pVertexAttributeDescriptions = desc.vertex_attributes.data()};
-  const VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-                                                        .topology = desc.topology};
+  VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+                                                  .topology = desc.topology};
   const VkExtent2D extent = target.extent();
   const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
   const VkRect2D scissor{{0, 0}, extent};
@@ -133,21 +133,25 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
                                                          .pViewports = &viewport,
                                                          .scissorCount = 1,
                                                          .pScissors = &scissor};
-  const VkPipelineRasterizationStateCreateInfo rasterization{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                             .polygonMode = desc.polygon_mode,
-                                                             .cullMode = desc.cull_mode,
-                                                             .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
-                                                             .lineWidth = desc.line_width};
+  VkPipelineRasterizationStateCreateInfo rasterization{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                       .polygonMode = desc.polygon_mode,
+                                                       .cullMode = desc.cull_mode,
+                                                       .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+                                                       .lineWidth = desc.line_width};
   const VkPipelineMultisampleStateCreateInfo multisample{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
                                                          .rasterizationSamples = target.samples()};
-  const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                    .depthTestEnable = desc.depth_test,
-                                                    .depthWriteEnable = desc.depth_write,
-                                                    .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-  const VkPipelineColorBlendAttachmentState attachment = blend_state(desc.alpha_blend);
+  VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                              .depthTestEnable = desc.depth_test,
+                                              .depthWriteEnable = desc.depth_write,
+                                              .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+  VkPipelineColorBlendAttachmentState attachment = blend_state(desc.alpha_blend);
+  VkPipelineRasterizationLineStateCreateInfoEXT line{.sType =
+                                                         VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_LINE_STATE_CREATE_INFO_EXT};
+  if (desc.adjust) desc.adjust({assembly, rasterization, line, depth, attachment});
   const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                   .attachmentCount = target.has_colour() ? 1u : 0u,
-                                                  .pAttachments = &attachment};
+                                                  .pAttachments = &attachment,
+                                                  .blendConstants = {0.25f, 0.5f, 0.75f, 0.375f}};
   const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                           .stageCount = static_cast<uint32_t>(stages.size()),
                                           .pStages = stages.data(),

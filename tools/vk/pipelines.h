@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,15 @@ class DescriptorAllocator {
   DescriptorPoolHandle pool_;
 };
 
+// The parts of a pipeline's state that scenes adjust.
+struct PipelineParts {
+  VkPipelineInputAssemblyStateCreateInfo& assembly;
+  VkPipelineRasterizationStateCreateInfo& rasterization;
+  VkPipelineRasterizationLineStateCreateInfoEXT& line;  // chained to the above by who wants it
+  VkPipelineDepthStencilStateCreateInfo& depth;
+  VkPipelineColorBlendAttachmentState& blend;
+};
+
 struct GraphicsPipelineDesc {
   Spirv vertex_shader, fragment_shader;  // no fragment shader: depth only
   std::vector<VkVertexInputBindingDescription> vertex_bindings;
@@ -49,6 +59,7 @@ struct GraphicsPipelineDesc {
   VkPolygonMode polygon_mode = VK_POLYGON_MODE_FILL;
   float line_width = 1;
   VkPipelineCache cache = VK_NULL_HANDLE;
+  std::function<void(const PipelineParts&)> adjust;  // has the last word
 };
 
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc);

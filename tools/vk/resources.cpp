@@ -6,11 +6,11 @@
 namespace pineda::tools {
 namespace {
 
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkMemoryPropertyFlags kHostMemory = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
 VkImageAspectFlags aspect_of(VkFormat format) {
-  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  if (format == VK_FORMAT_D32_SFLOAT_S8_UINT) return VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT;
+  return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments at
     views.push_back(resolves() ? samples_colour_.view : colour_.view);
   }
   if (has_depth()) {
-    depth_ = create_image(context, extent, 1, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, samples_);
+    depth_ = create_image(context, extent, 1, depth_format(), VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, samples_);
     views.push_back(depth_.view);
   }
   if (resolves()) views.push_back(colour_.view);
@@ -177,7 +177,8 @@ void RenderTarget::create_render_pass(VkContext& context) {
                                        .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
                                        .finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
   VkAttachmentDescription depth = colour;
-  depth.format = kDepthFormat;
+  depth.format = depth_format();
+  depth.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // ignored without a stencil
   // Depth is kept only where it is the whole product; else the driver may leave it in its tiles.
   depth.storeOp = has_colour() ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
   depth.finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;

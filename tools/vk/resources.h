@@ -53,7 +53,7 @@ void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout fr
 // leaves the colour ready to be read back.
 class RenderTarget {
  public:
-  enum class Attachments { kColour, kColourDepth, kDepth };
+  enum class Attachments { kColour, kColourDepth, kColourStencil, kDepth };  // kColourStencil: D32 with S8
   // With several samples a pixel the colour is resolved at the pass's end; of those asked for, as many as the driver has.
   RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples = 1,
                VkFormat colour_format = VK_FORMAT_R8G8B8A8_UNORM);
@@ -63,6 +63,9 @@ class RenderTarget {
   VkRenderPass render_pass() const { return render_pass_; }
   bool has_colour() const { return attachments_ != Attachments::kDepth; }
   bool has_depth() const { return attachments_ != Attachments::kColour; }
+  VkFormat depth_format() const {
+    return attachments_ == Attachments::kColourStencil ? VK_FORMAT_D32_SFLOAT_S8_UINT : VK_FORMAT_D32_SFLOAT;
+  }
   const Image2D& colour() const { return colour_; }
   VkSampleCountFlagBits samples() const { return samples_; }
 
