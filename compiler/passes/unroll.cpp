@@ -3,6 +3,7 @@
 // constants known tells after how many turns all its lanes leave, and when its copies stay short.
 #include <algorithm>
 #include <optional>
+#include <unordered_map>
 
 #include "base/abi.h"
 #include "compiler/ir/semantics.h"
@@ -22,17 +23,41 @@ constexpr uint32_t kMaxTurns = 16;
 // share the most; others must not make an application wait for its pipelines.
 constexpr uint32_t kMaxInsts = 100, kMaxSamplingInsts = 4000;
 
+// Something about some values. forget() takes no longer than setting did, so that a kernel of many loops takes linear time.
+template <typename T>
+class Notes {
+ public:
+  const T& get(Value v) const {
+    static const T kNothing{};
+    return v.id < notes_.size() ? notes_[v.id] : kNothing;
+  }
+  void set(Value v, T note) {
+    if (v.id >= notes_.size()) notes_.resize(v.id + v.id / 2 + 1);
+    notes_[v.id] = note;
+    set_.push_back(v.id);
+  }
+  void forget() {
+    for (const uint32_t id : set_) notes_[id] = {};
+    set_.clear();
+  }
+
+ private:
+  std::vector<T> notes_;  // by value
+  std::vector<uint32_t> set_;
+};
+
 // Integers and B1 that are the same for all lanes and do not depend on what the kernel reads.
 class KnownValues {
  public:
-  explicit KnownValues(const ir::Kernel& kernel) : kernel_(kernel), known_(kernel.insts.size()) {}
+  explicit KnownValues(const ir::Kernel& kernel) : kernel_(kernel) {}
 
   std::optional<uint64_t> get(Value v) const {
     const Inst& inst = kernel_.at(v);
     if (inst.op == Op::kConst && !ir::is_float(inst.type)) return ir::const_raw(inst.type, inst.imm, ir::Floats::kNative);
-    return known_[v.id];
+    return known_.get(v);
   }
-  void set(Value v, std::optional<uint64_t> raw) { known_[v.id] = raw; }
+  void set(Value v, std::optional<uint64_t> raw) { known_.set(v, raw); }
+  void forget() { known_.forget(); }
 
   // Walks through a region. What depends on an If that is not decided stays unknown.
   void walk(RegionId id) {
@@ -41,9 +66,9 @@ class KnownValues {
       if (inst.op == Op::kIf) {
         if (const auto cond = get(inst.operand[0])) walk(inst.region[*cond != 0 ? 0 : 1]);
       } else if (inst.op == Op::kResult) {
-        known_[v.id] = result(inst);
+        known_.set(v, result(inst));
       } else if (inst.op != Op::kLoopArg) {
-        known_[v.id] = compute(inst);
+        known_.set(v, compute(inst));
       }
     }
   }
@@ -77,12 +102,12 @@ class KnownValues {
   static bool is_known_type(ir::Type type) { return ir::is_int(type) || type == ir::Type::kB1; }
 
   const ir::Kernel& kernel_;
-  std::vector<std::optional<uint64_t>> known_;  // by value
+  Notes<std::optional<uint64_t>> known_;
 };
 
 class Unroller {
  public:
-  explicit Unroller(ir::Kernel& kernel) : kernel_(kernel), aliases_(kernel) {}
+  explicit Unroller(ir::Kernel& kernel) : kernel_(kernel), aliases_(kernel), known_(kernel) {}
 
   bool run() {
     region(kernel_.wave);
@@ -111,10 +136,8 @@ class Unroller {
 
   // The carried values after the last turn; null: the loop stays.
   const std::vector<Value>* next_of(Value loop) const {
-    for (const auto& [unrolled, next] : unrolled_) {
-      if (unrolled == loop) return &next;
-    }
-    return nullptr;
+    const auto found = unrolled_.find(loop.id);
+    return found == unrolled_.end() ? nullptr : &found->second;
   }
 
   std::vector<Value> args_of(const Inst& loop) const {
@@ -123,7 +146,7 @@ class Unroller {
   }
 
   // 0: the loop stays.
-  uint32_t count_turns(const Inst& loop) const {
+  uint32_t count_turns(const Inst& loop) {
     uint32_t insts = 0;
     bool fits = true, samples = false;
     ir::for_each_inst(kernel_, loop.region[0], [&](Value v) {
@@ -138,16 +161,16 @@ class Unroller {
     if (!fits || 2 * insts > most) return 0;
     const std::vector<Value> args = args_of(loop);
     const std::vector<Value>& next = ir::yielded(kernel_, loop.region[0]);
-    KnownValues known(kernel_);
-    for (size_t k = 0; k < args.size(); ++k) known.set(args[k], known.get(kernel_.lists[loop.list][k]));
+    known_.forget();
+    for (size_t k = 0; k < args.size(); ++k) known_.set(args[k], known_.get(kernel_.lists[loop.list][k]));
     for (uint32_t turn = 1; turn <= kMaxTurns && turn * insts <= most; ++turn) {
-      known.walk(loop.region[0]);
-      const auto again = known.get(next[0]);
+      known_.walk(loop.region[0]);
+      const auto again = known_.get(next[0]);
       if (!again) return 0;
       if (*again == 0) return turn;
       std::vector<std::optional<uint64_t>> values;
-      for (size_t k = 0; k < args.size(); ++k) values.push_back(known.get(next[k + 1]));
-      for (size_t k = 0; k < args.size(); ++k) known.set(args[k], values[k]);
+      for (size_t k = 0; k < args.size(); ++k) values.push_back(known_.get(next[k + 1]));
+      for (size_t k = 0; k < args.size(); ++k) known_.set(args[k], values[k]);
     }
     return 0;
   }
@@ -157,12 +180,12 @@ class Unroller {
     const std::vector<Value> args = args_of(loop);
     std::vector<Value> carried = kernel_.lists[loop.list];
     for (uint32_t turn = 0; turn < turns; ++turn) {
-      copy_of_.assign(kernel_.insts.size(), {});
-      for (size_t k = 0; k < args.size(); ++k) copy_of_[args[k].id] = carried[k];
+      copy_of_.forget();
+      for (size_t k = 0; k < args.size(); ++k) copy_of_.set(args[k], carried[k]);
       const std::vector<Value> yielded = copy_insts(loop.region[0], args.size(), out);
       carried.assign(yielded.begin() + 1, yielded.end());
     }
-    unrolled_.push_back({v, carried});
+    unrolled_.emplace(v.id, carried);
     changed_ = true;
   }
 
@@ -180,7 +203,7 @@ class Unroller {
     for (Value& operand : inst.operand) operand = mapped(operand);
     for (uint32_t r = 0; r < ir::region_count(inst.op); ++r) inst.region[r] = copy_region(inst.region[r]);
     const Value to = add_inst(kernel_, inst);
-    copy_of_[v.id] = to;
+    copy_of_.set(v, to);
     return to;
   }
 
@@ -195,17 +218,16 @@ class Unroller {
     return static_cast<RegionId>(kernel_.regions.size() - 1);
   }
 
-  Value mapped(Value v) const { return v.id < copy_of_.size() && copy_of_[v.id] ? copy_of_[v.id] : v; }
-
-  struct Unrolled {
-    Value loop;
-    std::vector<Value> next;
-  };
+  Value mapped(Value v) const {
+    const Value copy = copy_of_.get(v);
+    return copy ? copy : v;
+  }
 
   ir::Kernel& kernel_;
   Aliases aliases_;
-  std::vector<Value> copy_of_;  // by value: its copy in this turn
-  std::vector<Unrolled> unrolled_;
+  KnownValues known_;
+  Notes<Value> copy_of_;                                       // in this turn
+  std::unordered_map<uint32_t, std::vector<Value>> unrolled_;  // by loop: the carried values after the last turn
   bool changed_ = false;
 };
 
