@@ -147,8 +147,8 @@ struct VertexBufferBinding {
   uint32_t reserved;
 };
 
-// Memory that was allocated for device addresses, at most 4 GiB - 1: a larger allocation has several, each up to where 32-bit offsets
-// reach.
+// Memory that was allocated for device addresses, at most 4 GiB - 1: a larger allocation has several, each up to where 32-bit
+// offsets reach.
 struct AddressRange {
   uint64_t address;
   uint32_t size_bytes;

@@ -34,8 +34,8 @@ void Executor::reset_state() {
   pristine_ = true;
 }
 
-// Memory may have been allocated since: at the start of a command buffer and of each dispatch is soon enough, as what a command sees
-// must have been there before it was submitted or signalled.
+// Memory may have been allocated since: at the start of a command buffer and of each dispatch is soon enough, as what a command
+// sees must have been there before it was submitted or signalled.
 void Executor::update_addresses() {
   const uint64_t version = device_.addresses.version();
   if (version == addresses_version_) return;

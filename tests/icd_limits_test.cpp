@@ -200,7 +200,8 @@ struct Identity {
   std::string text() const {
     std::string out;
     for (const uint8_t* uuid : {id.deviceUUID, id.driverUUID, properties.properties.pipelineCacheUUID}) {
-      for (uint32_t i = 0; i < VK_UUID_SIZE; ++i) out += "0123456789abcdef"[uuid[i] >> 4], out += "0123456789abcdef"[uuid[i] & 15];
+      for (uint32_t i = 0; i < VK_UUID_SIZE; ++i)
+        out += "0123456789abcdef"[uuid[i] >> 4], out += "0123456789abcdef"[uuid[i] & 15];
       out += ' ';
     }
     return out;

@@ -53,10 +53,8 @@ void query_lod(Translator& t, const Instruction& inst) {
 }
 
 constexpr OpRow kRows[] = {
-    PINEDA_SPIRV_ROW(ImageQuerySizeLod, 5, query_size_lod),
-    PINEDA_SPIRV_ROW(ImageQuerySize, 4, query_size),
-    PINEDA_SPIRV_ROW(ImageQueryLevels, 4, query_levels),
-    PINEDA_SPIRV_ROW(ImageQuerySamples, 4, query_samples),
+    PINEDA_SPIRV_ROW(ImageQuerySizeLod, 5, query_size_lod), PINEDA_SPIRV_ROW(ImageQuerySize, 4, query_size),
+    PINEDA_SPIRV_ROW(ImageQueryLevels, 4, query_levels),    PINEDA_SPIRV_ROW(ImageQuerySamples, 4, query_samples),
     PINEDA_SPIRV_ROW(ImageQueryLod, 5, query_lod),
 };
 

@@ -167,8 +167,8 @@ class StageInterface {
   virtual std::optional<std::array<ir::Value, 4>> sample(ir::Builder& b, const SampleRequest& request) = 0;
   virtual std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const ImageQuery& query) = 0;
   virtual std::optional<std::array<ir::Value, 4>> image_load(ir::Builder& b, const ImageAccess& access) = 0;
-  // Where a texel of a 32- or 64-bit format of one component is, for atomics (access.format is declared). The limit is 0 where the
-  // coordinate is outside.
+  // Where a texel of a 32- or 64-bit format of one component is, for atomics (access.format is declared). The limit is 0 where
+  // the coordinate is outside.
   virtual std::optional<ir::Address> image_texel(ir::Builder&, const ImageAccess&) { return std::nullopt; }
   virtual bool image_store(ir::Builder& b, const ImageAccess& access, std::span<const ir::Value> texel) = 0;
   // Fragment stage: B1, lanes whose effects count (covered and not yet discarded). Stores of the shader are guarded by it.

@@ -1,6 +1,7 @@
 // image.*: storage images of every format, texel buffers, views with swizzles, levels, layers and other formats.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -323,7 +324,9 @@ void run_texel_buffer(Device& device, const FormatInfo& info) {
       const double got = !info.is_integer() ? std::bit_cast<float>(word)
                          : info.is_signed() ? static_cast<double>(static_cast<int32_t>(word))
                                             : static_cast<double>(word);
-      const double slack = info.channels[0].numeric == Numeric::kSrgb ? 0.00445 : 1e-6 * std::abs(want[c]) + 1e-9;
+      const bool srgb =
+          std::ranges::any_of(info.channels, [](const Channel& channel) { return channel.numeric == Numeric::kSrgb; });
+      const double slack = srgb ? 0.00445 : 1e-6 * std::abs(want[c]) + 1e-9;
       expect(std::abs(got - want[c]) <= slack, fmt::format("texel {}, component {}: {}, not {}", i, c, got, want[c]));
     }
   }

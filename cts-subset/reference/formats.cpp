@@ -172,11 +172,11 @@ std::vector<FormatInfo> make_table() {
   ARRAY8(B8G8R8A8, "bgra")
   ARRAY16(R16, "r")
   ARRAY16(R16G16, "rg")
-  ARRAY16(R16G16B16, "rgb") ARRAY16(R16G16B16A16, "rgba") ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb")
-      ARRAY32(R32G32B32A32, "rgba") PACKED(R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(
-          R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4) PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4)
-          PACKED(A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4) PACKED(
-              A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4) PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5)
+  ARRAY16(R16G16B16, "rgb")
+  ARRAY16(R16G16B16A16, "rgba") ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba")
+      PACKED(R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4) PACKED(
+          B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4) PACKED(A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4)
+          PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4) PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5)
               PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5) PACKED(R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1)
                   PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1) PACKED(
                       A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5) PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8,

@@ -6,13 +6,14 @@
 
 namespace pineda::icd {
 
-#define PINEDA_WAYLAND_FUNCTIONS(X)                                                                                          \
-  X(wl_proxy_marshal_flags)                                                                                                  \
-  X(wl_proxy_get_version)                                                                                                    \
-  X(wl_proxy_add_listener)                                                                                                   \
-  X(wl_proxy_destroy) X(wl_proxy_set_queue) X(wl_proxy_create_wrapper) X(wl_proxy_wrapper_destroy) X(wl_proxy_set_user_data) \
-      X(wl_proxy_get_user_data) X(wl_display_create_queue) X(wl_event_queue_destroy) X(wl_display_roundtrip_queue)           \
-          X(wl_display_flush) X(wl_display_prepare_read_queue) X(wl_display_read_events) X(wl_display_cancel_read)           \
+#define PINEDA_WAYLAND_FUNCTIONS(X)                                                                                \
+  X(wl_proxy_marshal_flags)                                                                                        \
+  X(wl_proxy_get_version)                                                                                          \
+  X(wl_proxy_add_listener)                                                                                         \
+  X(wl_proxy_destroy)                                                                                              \
+  X(wl_proxy_set_queue) X(wl_proxy_create_wrapper) X(wl_proxy_wrapper_destroy) X(wl_proxy_set_user_data)           \
+      X(wl_proxy_get_user_data) X(wl_display_create_queue) X(wl_event_queue_destroy) X(wl_display_roundtrip_queue) \
+          X(wl_display_flush) X(wl_display_prepare_read_queue) X(wl_display_read_events) X(wl_display_cancel_read) \
               X(wl_display_dispatch_queue_pending) X(wl_display_get_fd)
 #define PINEDA_WAYLAND_INTERFACES(X) \
   X(wl_registry_interface) X(wl_shm_interface) X(wl_shm_pool_interface) X(wl_buffer_interface) X(wl_callback_interface)

@@ -10,13 +10,14 @@
 
 namespace pineda::icd {
 
-#define PINEDA_XCB_FUNCTIONS(X)                                                                                          \
-  X(xcb_get_geometry)                                                                                                    \
-  X(xcb_get_geometry_reply)                                                                                              \
-  X(xcb_get_setup)                                                                                                       \
-  X(xcb_setup_roots_iterator)                                                                                            \
-  X(xcb_screen_next) X(xcb_screen_allowed_depths_iterator) X(xcb_depth_next) X(xcb_depth_visuals_iterator)               \
-      X(xcb_visualtype_next) X(xcb_generate_id) X(xcb_create_gc_checked) X(xcb_free_gc_checked) X(xcb_put_image_checked) \
+#define PINEDA_XCB_FUNCTIONS(X)                                                                                \
+  X(xcb_get_geometry)                                                                                          \
+  X(xcb_get_geometry_reply)                                                                                    \
+  X(xcb_get_setup)                                                                                             \
+  X(xcb_setup_roots_iterator)                                                                                  \
+  X(xcb_screen_next)                                                                                           \
+  X(xcb_screen_allowed_depths_iterator) X(xcb_depth_next) X(xcb_depth_visuals_iterator) X(xcb_visualtype_next) \
+      X(xcb_generate_id) X(xcb_create_gc_checked) X(xcb_free_gc_checked) X(xcb_put_image_checked)              \
           X(xcb_get_maximum_request_length) X(xcb_flush) X(xcb_request_check) X(xcb_discard_reply) X(xcb_get_extension_data)
 #define PINEDA_XCB_SHM_FUNCTIONS(X) X(xcb_shm_attach_checked) X(xcb_shm_detach_checked) X(xcb_shm_put_image_checked)
 

@@ -28,7 +28,7 @@ struct BenchRowInfo {
   VkExtent2D extent;
   std::function<std::unique_ptr<BenchRow>(VkContext&, VkExtent2D)> create;  // null: timed by the parent (start-up)
   bool disk_cache = false;  // the driver may keep its code on disk: the warm-up fills an empty directory
-  bool in_mean = true;  // of the ratios: not what no driver does
+  bool in_mean = true;      // of the ratios: not what no driver does
 };
 
 std::span<const BenchRowInfo> bench_rows();
