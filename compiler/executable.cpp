@@ -219,7 +219,7 @@ class StoredKernel final : public Executable {
     kernel->frame_bytes = header.frame_bytes;
     kernel->varyings.resize(header.varying_count);
     const size_t varyings_bytes = header.varying_count * sizeof(VaryingSlot);
-    std::memcpy(kernel->varyings.data(), blob->data() + sizeof header, varyings_bytes);
+    if (varyings_bytes != 0) std::memcpy(kernel->varyings.data(), blob->data() + sizeof header, varyings_bytes);  // null if none
     const size_t image_at = sizeof header + varyings_bytes;
     kernel->code_ = MappedImage::map(std::string_view(*blob).substr(image_at));
     if (!kernel->code_) return nullptr;
