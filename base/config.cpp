@@ -25,7 +25,7 @@ constexpr FlagRow kFlags[] = {
     {"specialize", kDebugSpecialize, "specialise pipelines for their textures before the first draw (same bits)"},
     {"api", kDebugApi, "print messages of level info too"},
     {"stats", kDebugStats, "print statistics of each render pass"},
-    {"explain", kDebugExplain, "tell what was left out of each pipeline and pass, and why; in explain.txt in PINEDA_DEBUG_DIR"},
+    {"explain", kDebugExplain, "tell what was left out of each pipeline, pass and dispatch; in explain.txt in PINEDA_DEBUG_DIR"},
     {"heatmap", kDebugHeatMap, "a picture of each pass's bins, a pixel a tile: bins-N.pgm in PINEDA_DEBUG_DIR or here"},
     {"nohiz", kDebugNoHiZ, "no hierarchical depth rejection (same bits)"},
     {"nofastclear", kDebugNoFastClear, "no clears as tile state (same bits)"},

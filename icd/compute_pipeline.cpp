@@ -1,9 +1,11 @@
 #include "icd/compute_pipeline.h"
 
+#include "base/config.h"
 #include "base/float_environment.h"
 #include "icd/api.h"
 #include "icd/create_pipelines.h"
 #include "icd/device.h"
+#include "icd/explain.h"
 #include "icd/limits.h"
 
 namespace pineda::icd {
@@ -35,6 +37,12 @@ VkResult ComputePipeline::init(const VkComputePipelineCreateInfo& info, compiler
   if (!textures_.add(*module_, layout)) return kShaderRejected;
   name_ = device.name_of(reinterpret_cast<uint64_t>(info.stage.module));
   if (name_.empty()) name_ = "compute";
+  if (const VkSpecializationInfo* given = info.stage.pSpecializationInfo; debug(kDebugExplain) && given && given->mapEntryCount) {
+    VkPipelineShaderStageCreateInfo stage = info.stage;
+    stage.pSpecializationInfo = nullptr;
+    spirv::ModulePtr module;
+    if (parse_stage(device, stage, &module) == VK_SUCCESS) unspecialized_ = {std::move(module), given->mapEntryCount};
+  }
   const compiler::CodeGenerator generator = code_generator(device);
   general_ = compile({}, store, generator ? &generator : nullptr);
   return general_ ? VK_SUCCESS : kShaderRejected;
@@ -56,9 +64,24 @@ std::unique_ptr<const compiler::ComputeKernel> ComputePipeline::compile(std::spa
                                              .name = name_,
                                              .store = store,
                                              .generator = generator});
+  if (compiled && debug(kDebugExplain)) explain(textures);
   if (compiled) return std::make_unique<const compiler::ComputeKernel>(std::move(*compiled));
   report(Severity::kError, "pipeline '" + name_ + "': " + compiled.error().text);
   return nullptr;
+}
+
+void ComputePipeline::explain(std::span<const compiler::TextureUse> textures) const {
+  const auto measure = [&](const spirv::Module& module) {
+    return compiler::measure_compute({.module = &module, .layout = layout_.get(), .textures = textures, .name = name_});
+  };
+  const auto sizes = measure(*module_);
+  if (!sizes) return;
+  std::optional<Unspecialized> unspecialized;
+  if (unspecialized_) {
+    if (const auto own = measure(*unspecialized_->module)) unspecialized = {unspecialized_->given, *own};
+  }
+  say_once(
+      explain_compute_pipeline(name_ + form_text(samples(), !textures.empty()), spirv::info(*module_), *sizes, unspecialized));
 }
 
 const compiler::ComputeKernel* ComputePipeline::kernel(const DescriptorSet* const* sets) const {

@@ -1,10 +1,12 @@
 // Execution of dispatches.
 #include <algorithm>
 
+#include "base/config.h"
 #include "icd/buffer.h"
 #include "icd/compute_pipeline.h"
 #include "icd/device.h"
 #include "icd/executor.h"
+#include "icd/explain.h"
 #include "icd/query_pool.h"
 
 namespace pineda::icd {
@@ -21,6 +23,7 @@ void Executor::dispatch(std::array<uint32_t, 3> base, std::array<uint32_t, 3> co
     statistics_.pool->add_compute(statistics_.query,
                                   uint64_t{count[0]} * count[1] * count[2] * (uint64_t{size[0]} * size[1] * size[2]));
   }
+  if (debug(kDebugExplain)) say_once(explain_dispatch(compute_pipeline_->name(), count, compute_kernel_->local_size));
   update_addresses();
   std::ranges::copy(count, compute_.context.workgroup_count);
   raster::dispatch(device_.pool, {.kernel = compute_kernel_->kernel->handle,

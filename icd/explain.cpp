@@ -8,22 +8,14 @@
 #include "base/config.h"
 #include "base/format.h"
 #include "base/log.h"
+#include "icd/explain_text.h"
 
 namespace pineda::icd {
 namespace {
 
 using compiler::FragmentState;
 
-std::string number(uint64_t value) { return std::to_string(value); }
-
-std::string share(uint64_t part, uint64_t whole) {
-  return whole == 0 ? number(part) : number(part) + " of " + number(whole) + " (" + number(100 * part / whole) + " %)";
-}
-
-void line(std::string& text, const std::string& what) { text += "\n  " + what; }
-
-// ---- pipelines
-// ---------------------------------------------------------------------------------------------------------------------
+// ---- pipelines ------------------------------------------------------------------------------------------------------------
 
 std::string sizes_text(const char* stage, const compiler::KernelSizes& sizes) {
   const uint32_t removed = sizes.built > sizes.kept ? sizes.built - sizes.kept : 0;
@@ -104,8 +96,7 @@ void explain_colours(const FragmentState& state, const spirv::ModuleInfo* fragme
   if (!unused.empty()) line(text, "outputs" + unused + " removed, they have no attachment");
 }
 
-// ---- passes
-// ------------------------------------------------------------------------------------------------------------------------
+// ---- passes ---------------------------------------------------------------------------------------------------------------
 
 struct Traffic {
   uint64_t whole_bytes = 0;  // what loading and storing every attachment once would move
@@ -125,6 +116,10 @@ void add_attachment(const raster::PassDesc& pass, const raster::Attachment& atta
 }
 
 }  // namespace
+
+std::string form_text(bool samples, bool specialized) {
+  return !samples ? "'" : specialized ? "', specialised for its textures" : "', its general form";
+}
 
 std::string explain_pipeline(const std::string& name, const spirv::ModuleInfo& vertex, const spirv::ModuleInfo* fragment,
                              const FragmentState& state, const compiler::GraphicsKernels& kernels,

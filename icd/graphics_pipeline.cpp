@@ -62,9 +62,8 @@ void GraphicsPipeline::explain(const compiler::GraphicsKernels& compiled, std::s
                                                  .textures = textures,
                                                  .name = name_});
   if (!sizes) return;
-  const std::string form = !samples() ? "" : textures.empty() ? ", its general form" : ", specialised for its textures";
-  say_once(explain_pipeline(name_ + "'" + form, spirv::info(*vertex_), fragment_ ? &spirv::info(*fragment_) : nullptr,
-                            state_.fragment, compiled, *sizes));
+  say_once(explain_pipeline(name_ + form_text(samples(), !textures.empty()), spirv::info(*vertex_),
+                            fragment_ ? &spirv::info(*fragment_) : nullptr, state_.fragment, compiled, *sizes));
 }
 
 const compiler::GraphicsKernels* GraphicsPipeline::kernels(const DescriptorSet* const* sets) const {

@@ -11,7 +11,7 @@ namespace pineda::tools {
 struct ExplainOptions {
   std::string scene;
   Size size{800, 600};
-  uint32_t rounds = 3;     // turns of each variant
+  uint32_t rounds = 5;     // turns of each variant
   double budget_ms = 150;  // of each turn
   std::chrono::seconds timeout{120};
 };
