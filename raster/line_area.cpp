@@ -1,8 +1,11 @@
 #include "raster/line_area.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace pineda::raster {
 
@@ -24,11 +27,14 @@ int64_t LineStipple::unit(double along_px) const {
   return static_cast<int64_t>(std::floor(start_px_ + std::clamp(along_px, 0.0, length_px_)));
 }
 
-bool LineStipple::draws_unit(int64_t unit) const { return (pattern_ >> unit / factor_ % 16 & 1) != 0; }
+bool LineStipple::draws_unit(int64_t unit) const {
+  return (pattern_ >> static_cast<uint32_t>(unit) / factor_ % 16 & 1) != 0;  // never below 0
+}
 
 bool LineStipple::draws(int32_t x_fx8, int32_t y_fx8) const { return draws_unit(unit(along_px(x_fx8, y_fx8))); }
 
-LineArea::LineArea(const Triangle& line, const LineState& state, bool stippled) : stipple_(line, state), stippled_(stippled) {
+LineArea::LineArea(const Triangle& line, const LineState& state, bool stippled, Isa isa)
+    : areas_(area_function(isa)), stipple_(line, state), stippled_(stippled) {
   const auto px = [](int32_t fx8) { return fx8 / double{kSubpixels}; };
   const int32_t(&x)[3] = line.x_fx8, (&y)[3] = line.y_fx8;
   corner_[0] = {px(x[0]), px(y[0])};
@@ -37,80 +43,106 @@ LineArea::LineArea(const Triangle& line, const LineState& state, bool stippled) 
   corner_[3] = {px(x[2]), px(y[2])};
   for (int k = 0; k < 4; ++k) {  // clockwise on the screen, as lines are set up
     const Point &p = corner_[k], &q = corner_[(k + 1) % 4];
-    side_[k] = {p.y - q.y, q.x - p.x, 0};
-    side_[k].c = -(side_[k].a * p.x + side_[k].b * p.y);
+    half_plane_[k] = {p.y - q.y, q.x - p.x, 0};
+    half_plane_[k].c = -(half_plane_[k].a * p.x + half_plane_[k].b * p.y);
+    if (k >= 2) continue;
+    slope_[k] = q.x == p.x ? 0 : (q.y - p.y) / (q.x - p.x);
+    per_slope_[k] = q.y == p.y ? 0 : (q.x - p.x) / (q.y - p.y);
   }
+  if (!stippled_) add_rectangle(corner_, whole_);
 }
 
 bool LineArea::misses(int32_t x_px, int32_t y_px, int32_t size_px) const {
-  for (const Side& s : side_) {
-    const double x = s.a > 0 ? x_px + size_px : x_px, y = s.b > 0 ? y_px + size_px : y_px;
-    if (s.a * x + s.b * y + s.c < 0) return true;
+  for (const HalfPlane& h : half_plane_) {
+    const double x = h.a > 0 ? x_px + size_px : x_px, y = h.b > 0 ? y_px + size_px : y_px;
+    if (h.a * x + h.b * y + h.c < 0) return true;
   }
   return false;
 }
 
-uint32_t LineArea::pixel(int32_t x_px, int32_t y_px) const {
-  if (misses(x_px, y_px, 1)) return 0;
-  const double part = stippled_ ? stippled_area(x_px, y_px) : area(corner_, x_px, y_px);
-  return static_cast<uint32_t>(std::clamp(part, 0.0, 1.0) * kFull + 0.5);
+// A rectangle whose corners run clockwise and whose sides are parallel to the line's.
+void LineArea::add_rectangle(const Point (&corner)[4], Sides& to) const {
+  for (int k = 0; k < 4; ++k) {
+    const Point &p = corner[k], &q = corner[(k + 1) % 4];
+    if (p.x == q.x) continue;  // nothing lies above or below it
+    const double slope = slope_[k % 2], per_slope = per_slope_[k % 2];
+    to.side[to.count++] =
+        p.x < q.x ? AreaSide{p.x, p.y, q.x, q.y, slope, per_slope, -1} : AreaSide{q.x, q.y, p.x, p.y, slope, per_slope, 1};
+  }
 }
 
-// The sum over the rectangles of the stipple that are drawn and reach the pixel: four at most.
-double LineArea::stippled_area(int32_t x_px, int32_t y_px) const {
+// The runs of rectangles of the stipple that are drawn and reach a block.
+void LineArea::add_pieces(int32_t x_px, int32_t y_px, Sides& to) const {
   double least = 1e9, most = -1e9;
   for (int k = 0; k < 4; ++k) {
-    const double along = stipple_.along_px((x_px + (k & 1)) * kSubpixels, (y_px + (k >> 1)) * kSubpixels);
+    const int32_t x = x_px + (k & 1) * int32_t{kBlockDim}, y = y_px + (k >> 1) * int32_t{kBlockDim};
+    const double along = stipple_.along_px(x * kSubpixels, y * kSubpixels);
     least = std::min(least, along);
     most = std::max(most, along);
   }
   const double length = stipple_.length_px(), start = stipple_.start_px();
-  double sum = 0;
-  for (int64_t u = stipple_.unit(least); u <= stipple_.unit(most); ++u) {
+  const int64_t last = stipple_.unit(most);
+  for (int64_t u = stipple_.unit(least); u <= last && to.count + 4 <= kMaxAreaSides; ++u) {
     if (!stipple_.draws_unit(u)) continue;
     const double begin = std::max(0.0, static_cast<double>(u) - start) / length;
+    while (u < last && stipple_.draws_unit(u + 1)) ++u;
     const double end = std::min(length, static_cast<double>(u) + 1 - start) / length;
     if (begin >= end) continue;
     const auto between = [&](const Point& p, const Point& q, double t) {
       return Point{p.x + (q.x - p.x) * t, p.y + (q.y - p.y) * t};
     };
-    const Point piece[4] = {between(corner_[0], corner_[1], begin), between(corner_[0], corner_[1], end),
-                            between(corner_[3], corner_[2], end), between(corner_[3], corner_[2], begin)};
-    sum += area(piece, x_px, y_px);
+    add_rectangle({between(corner_[0], corner_[1], begin), between(corner_[0], corner_[1], end),
+                   between(corner_[3], corner_[2], end), between(corner_[3], corner_[2], begin)},
+                  to);
   }
-  return sum;
 }
 
-// Sutherland and Hodgman (1974) against the pixel's four sides, then the polygon's area, with the pixel's corner as origin.
-double LineArea::area(const Point (&corner)[4], int32_t x_px, int32_t y_px) const {
-  Point polygon[2][9];
-  int count = 4, current = 0;
-  for (int k = 0; k < 4; ++k) polygon[0][k] = {corner[k].x - x_px, corner[k].y - y_px};
-  for (int side = 0; side < 4 && count != 0; ++side) {
-    const Point* const in = polygon[current];
-    Point* const out = polygon[current ^ 1];
-    const auto inside = [&](const Point& p) {  // distance from the side
-      const double v = (side & 1) != 0 ? p.y : p.x;
-      return side < 2 ? v : 1 - v;
-    };
-    int kept = 0;
-    for (int i = 0; i < count; ++i) {
-      const Point &p = in[i], &q = in[i + 1 == count ? 0 : i + 1];
-      const double dp = inside(p), dq = inside(q);
-      if (dp >= 0) out[kept++] = p;
-      if ((dp >= 0) == (dq >= 0)) continue;
-      const double t = dp / (dp - dq);
-      out[kept++] = {p.x + (q.x - p.x) * t, p.y + (q.y - p.y) * t};
-    }
-    count = kept;
-    current ^= 1;
+void LineArea::block(int32_t x_px, int32_t y_px, uint16_t* parts) const {
+  if (!stippled_) return areas_(whole_.side.data(), whole_.count, x_px, y_px, parts);
+  Sides pieces;
+  add_pieces(x_px, y_px, pieces);
+  areas_(pieces.side.data(), pieces.count, x_px, y_px, parts);
+}
+
+namespace {
+
+// One copy of the code for each instruction set.
+namespace sse42 {
+using Reals = double __attribute__((vector_size(16)));
+using Counts = int32_t __attribute__((vector_size(8)));
+#include "raster/line_area_impl.inc"
+}  // namespace sse42
+
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+using Reals = double __attribute__((vector_size(32)));
+using Counts = int32_t __attribute__((vector_size(16)));
+#include "raster/line_area_impl.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx2")
+namespace avx512 {
+using Reals = double __attribute__((vector_size(64)));
+using Counts = int32_t __attribute__((vector_size(32)));
+#include "raster/line_area_impl.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+
+}  // namespace
+
+AreaFn area_function(Isa isa) {
+  switch (isa) {
+    case Isa::kAvx512:
+      return avx512::block_areas;
+    case Isa::kAvx2:
+      return avx2::block_areas;
+    case Isa::kSse42:
+      return sse42::block_areas;
   }
-  double twice = 0;
-  for (int i = 0; i < count; ++i) {
-    const Point &p = polygon[current][i], &q = polygon[current][i + 1 == count ? 0 : i + 1];
-    twice += p.x * q.y - p.y * q.x;
-  }
-  return std::fabs(twice) / 2;
+  return sse42::block_areas;
 }
 
 }  // namespace pineda::raster

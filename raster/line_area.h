@@ -5,9 +5,11 @@
 // size cannot show.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "raster/geometry_types.h"
+#include "raster/options.h"
 
 namespace pineda::raster {
 
@@ -36,14 +38,30 @@ class LineStipple {
   uint32_t factor_, pattern_;
 };
 
+// A block is 5.7 px from corner to corner and so reaches into seven rectangles of a stipple at most, of which every other one
+// begins a piece: four pieces of four sides.
+inline constexpr uint32_t kMaxAreaSides = 16;
+
+// A side of a polygon, from left to right.
+struct AreaSide {
+  double x0, y0, x1, y1;    // px; x0 < x1
+  double slope, per_slope;  // dy / dx; dx / dy, or 0 for a level side
+  double sign;              // 1: the polygon lies above it (at smaller y); -1: below
+};
+
+// For each pixel of the block at (x_px, y_px) the area of what the sides enclose of its square, in 1/65535 of the square, rounded
+// to nearest; in lane order.
+using AreaFn = void (*)(const AreaSide* sides, uint32_t count, int32_t x_px, int32_t y_px, uint16_t* parts);
+AreaFn area_function(Isa isa);
+
 // Coverage by area.
 class LineArea {
  public:
   static constexpr uint32_t kFull = 65535;
   // `stippled`: state has a stipple.
-  LineArea(const Triangle& line, const LineState& state, bool stippled);
-  // The area of the intersection of the line with a pixel's square, in 1/65535 of the square, rounded to nearest.
-  uint32_t pixel(int32_t x_px, int32_t y_px) const;
+  LineArea(const Triangle& line, const LineState& state, bool stippled, Isa isa);
+  // The areas of the intersections of the line with the squares of a block's pixels, as AreaFn gives them.
+  void block(int32_t x_px, int32_t y_px, uint16_t* parts) const;
   // No pixel of the square [x, x + size) x [y, y + size) is touched: never wrong when true.
   bool misses(int32_t x_px, int32_t y_px, int32_t size_px) const;
 
@@ -51,13 +69,21 @@ class LineArea {
   struct Point {
     double x, y;  // px
   };
-  double stippled_area(int32_t x_px, int32_t y_px) const;
-  double area(const Point (&corner)[4], int32_t x_px, int32_t y_px) const;
+  struct Sides {
+    std::array<AreaSide, kMaxAreaSides> side;
+    uint32_t count = 0;
+  };
+  void add_rectangle(const Point (&corner)[4], Sides& to) const;
+  void add_pieces(int32_t x_px, int32_t y_px, Sides& to) const;
+
+  AreaFn areas_;
   Point corner_[4];
   // Of each side: inside where a * x + b * y + c >= 0.
-  struct Side {
+  struct HalfPlane {
     double a, b, c;
-  } side_[4];
+  } half_plane_[4];
+  double slope_[2], per_slope_[2];  // of the sides along the line and across
+  Sides whole_;
   LineStipple stipple_;
   bool stippled_;
 };

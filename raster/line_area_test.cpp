@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "raster/coverage.h"
 #include "raster/test_scene.h"
 
 namespace pineda::raster {
@@ -95,6 +96,97 @@ TEST(SmoothLines, CoverageIsTheAreaInThePixel) {
       }
     }
   }
+}
+
+// Sutherland and Hodgman (1974): a polygon cut by the four sides of the pixel's square; twice its area.
+double clipped_area(std::vector<End> polygon, double x, double y) {
+  for (int side = 0; side < 4; ++side) {
+    std::vector<End> kept;
+    const auto inside = [&](const End& p) {
+      const double v = (side & 1) != 0 ? p.y - y : p.x - x;
+      return side < 2 ? v : 1 - v;
+    };
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      const End &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+      const double dp = inside(p), dq = inside(q);
+      if (dp >= 0) kept.push_back(p);
+      if ((dp >= 0) != (dq >= 0)) kept.push_back({p.x + (q.x - p.x) * dp / (dp - dq), p.y + (q.y - p.y) * dp / (dp - dq)});
+    }
+    polygon = std::move(kept);
+  }
+  double twice = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const End &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    twice += (p.x - x) * (q.y - y) - (p.y - y) * (q.x - x);
+  }
+  return std::fabs(twice) / 2;
+}
+
+// A line's record as line_setup.cpp makes it: from a to b, the rectangle's sides half the width away.
+Triangle line_record(int32_t ax, int32_t ay, int32_t bx, int32_t by, double width_px) {
+  const double dx = bx - ax, dy = by - ay, length = std::sqrt(dx * dx + dy * dy), half = width_px * kSubpixels / 2 / length;
+  const auto round = [](double v) { return static_cast<int32_t>(std::nearbyint(v)); };
+  const int32_t ux = round(-dy * half), uy = round(dx * half);
+  Triangle t{};
+  const int32_t x[3] = {ax - ux, bx - ux, ax + ux}, y[3] = {ay - uy, by - uy, ay + uy};
+  std::ranges::copy(x, t.x_fx8);
+  std::ranges::copy(y, t.y_fx8);
+  return t;
+}
+
+// Every instruction set against the clipped polygon: lines of all slopes (along the axes, one subpixel off them, long ones), and
+// stipples, whose pieces are clipped one by one. The rounding to 1/65535 may go the other way at a half: 1 unit.
+TEST(LineArea, IsThatOfTheClippedPolygon) {
+  std::mt19937 rng(16);
+  uint32_t inside = 0, partial = 0;
+  for (int round = 0; round < 4000; ++round) {
+    const auto coordinate = [&](int32_t range) { return static_cast<int32_t>(rng() % (range * 256)); };
+    const int32_t range = round % 4 == 0 ? 16000 : 24;
+    const int32_t ax = coordinate(range), ay = coordinate(range), few = static_cast<int32_t>(rng() % 3) - 1;
+    int32_t bx = coordinate(range), by = coordinate(range);
+    if (round % 5 == 1) bx = ax + few;
+    if (round % 5 == 2) by = ay + few;
+    if (std::hypot(bx - ax, by - ay) < 2) continue;
+    const Triangle line = line_record(ax, ay, bx, by, std::array{1.0, 3.5, 20.0}[rng() % 3]);
+    const bool stippled = round % 3 == 0;
+    const LineState state{LineMode::kSmooth, stippled, static_cast<uint16_t>(rng()), static_cast<uint32_t>(1 + rng() % 2), 1};
+    const LineStipple stipple(line, state);
+    const auto corner = [&](double t, double s) {  // of the record, in px: along and across
+      return End{(line.x_fx8[0] + (line.x_fx8[1] - line.x_fx8[0]) * t + (line.x_fx8[2] - line.x_fx8[0]) * s) / kSubpixels,
+                 (line.y_fx8[0] + (line.y_fx8[1] - line.y_fx8[0]) * t + (line.y_fx8[2] - line.y_fx8[0]) * s) / kSubpixels};
+    };
+    const double where = static_cast<double>(rng() % 1000) / 999;
+    const End near = corner(where, static_cast<double>(rng() % 1000) / 999);
+    const auto block_x = static_cast<int32_t>(std::floor(near.x / 4)) * 4,
+               block_y = static_cast<int32_t>(std::floor(near.y / 4)) * 4;
+    double expected[kLanes] = {};
+    const double length = stipple.length_px();
+    const auto first = static_cast<int64_t>(std::max(0.0, where * length - 40)), end = static_cast<int64_t>(where * length + 40);
+    for (int64_t u = first; u < (stippled ? end : first + 1); ++u) {
+      if (stippled && (static_cast<double>(u) >= length || !stipple.draws_unit(u))) continue;
+      const double t0 = stippled ? static_cast<double>(u) / length : 0,
+                   t1 = stippled ? std::min(1.0, static_cast<double>(u + 1) / length) : 1;
+      for (uint32_t lane = 0; lane < kLanes; ++lane) {
+        const auto x = block_x + static_cast<int32_t>(morton_x(lane)), y = block_y + static_cast<int32_t>(morton_y(lane));
+        expected[lane] += clipped_area({corner(t0, 0), corner(t1, 0), corner(t1, 1), corner(t0, 1)}, x, y);
+      }
+    }
+    uint16_t reference[kLanes];
+    for (const Isa isa : {Isa::kSse42, Isa::kAvx2, Isa::kAvx512}) {
+      if (isa > best_isa()) continue;
+      uint16_t parts[kLanes];
+      LineArea(line, state, stippled, isa).block(block_x, block_y, parts);
+      if (isa == Isa::kSse42) std::ranges::copy(parts, reference);
+      for (uint32_t lane = 0; lane < kLanes; ++lane) {
+        ASSERT_EQ(parts[lane], reference[lane]) << "round " << round << " lane " << lane << " isa " << static_cast<int>(isa);
+        ASSERT_NEAR(parts[lane], expected[lane] * 65535, 1) << "round " << round << " lane " << lane << " stippled " << stippled;
+        inside += parts[lane] == LineArea::kFull;
+        partial += parts[lane] != 0 && parts[lane] != LineArea::kFull;
+      }
+    }
+  }
+  EXPECT_GT(inside, 10000u);
+  EXPECT_GT(partial, 10000u);
 }
 
 // Opposite halves of a rectangle, and the pieces of complementary stipples, make the whole, exactly but for the rounding to

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "raster/line_area.h"
+#include "raster/wave_lanes.h"
 
 namespace pineda::raster {
 namespace {
@@ -180,35 +180,10 @@ void TileWorker::clear_rect(const Scene& scene, const Draw& draw, const Triangle
   if (draw.clear_slot == Scene::kDepthSlot && hi_z_on_) hi_z_.forget();
 }
 
-// Where the next wave goes.
-template <>
-inline FragmentWave* TileWorker::queue() {
-  return waves_ + wave_count_;
-}
-template <>
-inline FragmentSampleWave* TileWorker::queue() {
-  return sample_waves_.data() + wave_count_;
-}
-
 namespace {
-
-inline FragmentWave& header(FragmentWave& wave) { return wave; }
-inline FragmentWave& header(FragmentSampleWave& wave) { return wave.wave; }
 
 inline Rect record_bounds(const Triangle& t, const FragmentWave*) { return pixel_rect(t); }
 inline Rect record_bounds(const Triangle& t, const FragmentSampleWave*) { return touched_rect(t); }
-
-inline BlockRange block_range(const Rect& r) {
-  const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
-  return {block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)};
-}
-
-inline void keep_lanes(FragmentWave& wave, uint32_t lanes) { wave.coverage &= lanes; }
-inline void keep_lanes(FragmentSampleWave& wave, uint32_t lanes) {
-  wave.wave.coverage &= lanes;
-  if (lanes == 0xFFFF) return;
-  for (uint32_t lane = 0; lane < kLanes; ++lane) wave.samples[lane] &= static_cast<uint16_t>(-(lanes >> lane & 1));
-}
 
 }  // namespace
 
@@ -261,97 +236,6 @@ uint32_t TileWorker::cut_to_rect(const Rect& rect, uint32_t count) {
     kept += header(wave).coverage != 0;
   }
   return kept;
-}
-
-// "Line Stipple": pixel number s of the line, counted from its first vertex, is drawn if bit s / factor (modulo 16) is set.
-template <class Wave>
-uint32_t TileWorker::cut_by_stipple(const Triangle& line, uint32_t count) {
-  Wave* const waves = queue<Wave>();
-  const LineState& state = draw_->packet.line;
-  const bool is_x = line.shape() == Shape::kPixelLineX;
-  const int32_t first = line.x_fx8[2], end = line.y_fx8[2];  // pixels of the longer axis
-  const bool forwards = is_x ? line.x_fx8[0] <= line.x_fx8[1] : line.y_fx8[0] <= line.y_fx8[1];
-  uint32_t kept = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    Wave wave = waves[i];
-    const uint32_t origin = is_x ? header(wave).x_px : header(wave).y_px;
-    uint32_t lanes = 0;
-    for (uint32_t lane = 0; lane < kLanes; ++lane) {
-      const auto pixel = static_cast<int32_t>(origin + (is_x ? morton_x(lane) : morton_y(lane)));
-      const auto number = static_cast<uint32_t>(forwards ? pixel - first : end - 1 - pixel);
-      lanes |= (state.stipple_pattern >> (line.stipple_start() + number) / state.stipple_factor % 16 & 1u) << lane;
-    }
-    keep_lanes(wave, lanes);
-    waves[kept] = wave;
-    kept += header(wave).coverage != 0;
-  }
-  return kept;
-}
-
-uint32_t TileWorker::cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentWave* waves) {
-  const LineStipple stipple(line, draw_->packet.line);
-  uint32_t kept = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    FragmentWave wave = waves[i];
-    for (uint32_t left = wave.coverage; left != 0; left &= left - 1) {
-      const auto lane = static_cast<uint32_t>(__builtin_ctz(left));
-      const auto x = static_cast<int32_t>(wave.x_px + morton_x(lane)), y = static_cast<int32_t>(wave.y_px + morton_y(lane));
-      if (!stipple.draws(x * kSubpixels + kSubpixels / 2, y * kSubpixels + kSubpixels / 2)) wave.coverage &= ~(1u << lane);
-    }
-    waves[kept] = wave;
-    kept += wave.coverage != 0;
-  }
-  return kept;
-}
-
-// Each sample where it lies.
-uint32_t TileWorker::cut_by_stipple_length(const Triangle& line, uint32_t count, FragmentSampleWave* waves) {
-  const LineStipple stipple(line, draw_->packet.line);
-  const SampleLocation* const locations = sample_locations(scene_->samples());
-  uint32_t kept = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    FragmentSampleWave wave = waves[i];
-    for (uint32_t left = wave.wave.coverage; left != 0; left &= left - 1) {
-      const auto lane = static_cast<uint32_t>(__builtin_ctz(left));
-      const auto x = static_cast<int32_t>(wave.wave.x_px + morton_x(lane)),
-                 y = static_cast<int32_t>(wave.wave.y_px + morton_y(lane));
-      for (uint32_t s = 0; s < scene_->samples(); ++s) {
-        constexpr int32_t kPerSixteenth = kSubpixels / 16;
-        const bool draws =
-            stipple.draws(x * kSubpixels + locations[s].x * kPerSixteenth, y * kSubpixels + locations[s].y * kPerSixteenth);
-        if (!draws) wave.samples[lane] &= static_cast<uint16_t>(~(1u << s));
-      }
-      if (wave.samples[lane] == 0) wave.wave.coverage &= ~(1u << lane);
-    }
-    waves[kept] = wave;
-    kept += wave.wave.coverage != 0;
-  }
-  return kept;
-}
-
-// Of a smooth line every pixel that it touches, with the area in place of a mask of samples.
-uint32_t TileWorker::cover_smooth(const Triangle& line, const Rect& box_px, FragmentSampleWave* out) {
-  const LineArea area(line, draw_->packet.line, draw_->stipples);
-  const BlockRange range = block_range(box_px);
-  const auto blocks = static_cast<uint32_t>(position_.size_px * position_.size_px) / kLanes;
-  uint32_t count = 0;
-  for (uint32_t block = 0; block < blocks; ++block) {
-    const uint32_t column = morton_x(block), row = morton_y(block);
-    if (column < range.x0 || column >= range.x1 || row < range.y0 || row >= range.y1) continue;
-    const auto x = static_cast<int32_t>(column * kBlockDim), y = static_cast<int32_t>(row * kBlockDim);
-    if (area.misses(position_.x_px + x, position_.y_px + y, kBlockDim)) continue;
-    FragmentSampleWave& wave = out[count];
-    wave.wave = {0xFFFF, 0, static_cast<uint16_t>(position_.x_px + x), static_cast<uint16_t>(position_.y_px + y), block};
-    const uint32_t lanes = rect_lanes(box_px, x, y);
-    for (uint32_t lane = 0; lane < kLanes; ++lane) {
-      const auto lane_x = static_cast<int32_t>(morton_x(lane)), lane_y = static_cast<int32_t>(morton_y(lane));
-      const uint32_t part = lanes >> lane & 1 ? area.pixel(position_.x_px + x + lane_x, position_.y_px + y + lane_y) : 0;
-      wave.samples[lane] = static_cast<uint16_t>(part);
-      wave.wave.coverage |= static_cast<uint32_t>(part != 0) << lane;
-    }
-    count += wave.wave.coverage != 0;
-  }
-  return count;
 }
 
 // Calls each(macro, blocks, first, end) for runs of the new waves in one macro block.
@@ -514,29 +398,6 @@ void TileWorker::flush_samples() {
     record.wave_count = static_cast<uint32_t>(expanded_.size()) - first;
   }
   draw_->packet.fragment(draw_->packet.context, &attachments_.context(), records_, prim_count_, expanded_.data());
-}
-
-// The same for smooth lines, which cover all samples of the pixels that they touch.
-void TileWorker::flush_smooth_samples() {
-  const uint32_t samples = scene_->samples();
-  expanded_smooth_.clear();
-  for (uint32_t p = 0; p < prim_count_; ++p) {
-    PrimRecord& record = records_[p];
-    const auto first = static_cast<uint32_t>(expanded_smooth_.size());
-    for (uint32_t w = record.first_wave; w < record.first_wave + record.wave_count; ++w) {
-      FragmentSampleWave wave = sample_waves_[w];
-      const uint32_t block = wave.wave.block_index;
-      attachments_.separate_samples(*scene_, block);
-      for (uint32_t s = 0; s < samples; ++s) {
-        wave.wave.block_index = block * samples + s;
-        expanded_smooth_.push_back(wave);
-        count_lanes(wave.wave.coverage);
-      }
-    }
-    record.first_wave = first;
-    record.wave_count = static_cast<uint32_t>(expanded_smooth_.size()) - first;
-  }
-  draw_->packet.fragment(draw_->packet.context, &attachments_.context(), records_, prim_count_, expanded_smooth_.data());
 }
 
 }  // namespace pineda::raster

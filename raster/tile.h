@@ -98,4 +98,14 @@ class TileWorker {
   SmallGroup group_;  // of the 16 items at hand
 };
 
+// Where the next wave goes.
+template <>
+inline FragmentWave* TileWorker::queue() {
+  return waves_ + wave_count_;
+}
+template <>
+inline FragmentSampleWave* TileWorker::queue() {
+  return sample_waves_.data() + wave_count_;
+}
+
 }  // namespace pineda::raster
