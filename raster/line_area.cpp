@@ -19,7 +19,7 @@ LineStipple::LineStipple(const Triangle& line, const LineState& state) {
   per_length_ = 1 / (length_fx8 * kSubpixels);
   length_px_ = length_fx8 / kSubpixels;
   start_px_ = double{std::bit_cast<float>(line.stipple_start())};
-  factor_ = state.stipple_factor;
+  per_factor_ = ((uint64_t{1} << kFactorBits) + state.stipple_factor - 1) / state.stipple_factor;
   pattern_ = state.stipple_pattern;
 }
 
@@ -27,8 +27,11 @@ int64_t LineStipple::unit(double along_px) const {
   return static_cast<int64_t>(std::floor(start_px_ + std::clamp(along_px, 0.0, length_px_)));
 }
 
+// unit / factor by a multiplication: per_factor_ exceeds 2^40 / factor by less than 1, so the quotient is exact for unit * factor
+// < 2^40, and the product has 64 bits for unit < 2^24. Factors end at 256; a pattern begins below 2^12, and a line of the guard
+// band is shorter than 2^17 px.
 bool LineStipple::draws_unit(int64_t unit) const {
-  return (pattern_ >> static_cast<uint32_t>(unit) / factor_ % 16 & 1) != 0;  // never below 0
+  return (pattern_ >> (static_cast<uint64_t>(unit) * per_factor_ >> kFactorBits) % 16 & 1) != 0;
 }
 
 bool LineStipple::draws(int32_t x_fx8, int32_t y_fx8) const { return draws_unit(unit(along_px(x_fx8, y_fx8))); }
@@ -110,6 +113,8 @@ namespace {
 namespace sse42 {
 using Reals = double __attribute__((vector_size(16)));
 using Counts = int32_t __attribute__((vector_size(8)));
+inline Reals lower(Reals a, Reals b) { return _mm_min_pd(a, b); }
+inline Reals higher(Reals a, Reals b) { return _mm_max_pd(a, b); }
 #include "raster/line_area_impl.inc"
 }  // namespace sse42
 
@@ -118,6 +123,8 @@ using Counts = int32_t __attribute__((vector_size(8)));
 namespace avx2 {
 using Reals = double __attribute__((vector_size(32)));
 using Counts = int32_t __attribute__((vector_size(16)));
+inline Reals lower(Reals a, Reals b) { return _mm256_min_pd(a, b); }
+inline Reals higher(Reals a, Reals b) { return _mm256_max_pd(a, b); }
 #include "raster/line_area_impl.inc"
 }  // namespace avx2
 #pragma GCC pop_options
@@ -127,6 +134,8 @@ using Counts = int32_t __attribute__((vector_size(16)));
 namespace avx512 {
 using Reals = double __attribute__((vector_size(64)));
 using Counts = int32_t __attribute__((vector_size(32)));
+inline Reals lower(Reals a, Reals b) { return _mm512_min_pd(a, b); }
+inline Reals higher(Reals a, Reals b) { return _mm512_max_pd(a, b); }
 #include "raster/line_area_impl.inc"
 }  // namespace avx512
 #pragma GCC pop_options

@@ -35,7 +35,9 @@ class LineStipple {
   double per_length_;  // 1 / (length in fx8 * 256)
   double length_px_;
   double start_px_;  // where in the pattern the line begins
-  uint32_t factor_, pattern_;
+  static constexpr uint32_t kFactorBits = 40;
+  uint64_t per_factor_;  // 2^40 / factor, rounded up
+  uint32_t pattern_;
 };
 
 // A block is 5.7 px from corner to corner and so reaches into seven rectangles of a stipple at most, of which every other one

@@ -257,8 +257,11 @@ void store_tile(const PassAttachment& a, uint8_t* address, size_t row_pitch_byte
 void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, SamplePlane to) {
   alignas(64) uint8_t block[kLanes * 16];
   make_block(texel_bytes, texel, block);
-  const size_t block_bytes = kLanes * texel_bytes, count = static_cast<size_t>(size_px) * static_cast<size_t>(size_px) / kLanes;
-  for (size_t i = 0; i < count; ++i) std::memcpy(to.data + i * block_bytes * to.planes, block, block_bytes);
+  const size_t count = static_cast<size_t>(size_px) * static_cast<size_t>(size_px) / kLanes;
+  with_texel_bytes(texel_bytes, [&](auto bytes) {
+    constexpr size_t kBlockBytes = size_t{kLanes} * bytes;
+    for (size_t i = 0; i < count; ++i) std::memcpy(to.data + i * kBlockBytes * to.planes, block, kBlockBytes);
+  });
 }
 
 void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, SamplePlane to) {

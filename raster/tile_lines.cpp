@@ -88,7 +88,8 @@ uint32_t TileWorker::cover_smooth(const Triangle& line, const Rect& box_px, Frag
     for (uint32_t i = 0; i < kLanes; ++i) {
       const auto x = macro_x + static_cast<int32_t>(morton_x(i) * kBlockDim),
                  y = macro_y + static_cast<int32_t>(morton_y(i) * kBlockDim);
-      const uint32_t lanes = rect_lanes(box_px, x, y);
+      const uint32_t lanes =
+          box_px.contains({x, y, x + int32_t{kBlockDim}, y + int32_t{kBlockDim}}) ? 0xFFFF : rect_lanes(box_px, x, y);
       const int32_t x_px = position_.x_px + x, y_px = position_.y_px + y;
       if (lanes == 0 || area.misses(x_px, y_px, kBlockDim)) continue;
       FragmentSampleWave& wave = out[count];
