@@ -27,7 +27,7 @@ git clone -q --shared "$root" "$copy/pineda"
 cd "$copy/pineda"
 cmake --preset release >/dev/null
 ninja -C build vk_pineda pineda_jit >/dev/null
-printf '# Faults seeded on purpose, and what finds them\n\nWritten by `cts-subset/seeded_faults.sh`.\n\n' >"$out"
+printf '# Faults seeded on purpose, and what finds them\n\nWritten by `./run faults`.\n\n' >"$out"
 printf '| fault | where | cases that fail | the first |\n|---|---|---|---|\n' >>"$out"
 missed=0
 for fault in "${faults[@]}"; do

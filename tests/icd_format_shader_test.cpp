@@ -201,59 +201,14 @@ TEST(IcdFormatShader, EveryStorageFormatInEveryDimension) {
   }
 }
 
-// The 40 formats that a shader can declare ("Compatibility Between SPIR-V Image Formats And Vulkan Formats").
-struct Declared {
-  VkFormat format;
-  const char* glsl;
-};
-constexpr Declared kDeclared[] = {{VK_FORMAT_R32G32B32A32_SFLOAT, "rgba32f"},
-                                  {VK_FORMAT_R16G16B16A16_SFLOAT, "rgba16f"},
-                                  {VK_FORMAT_R32G32_SFLOAT, "rg32f"},
-                                  {VK_FORMAT_R16G16_SFLOAT, "rg16f"},
-                                  {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "r11f_g11f_b10f"},
-                                  {VK_FORMAT_R32_SFLOAT, "r32f"},
-                                  {VK_FORMAT_R16_SFLOAT, "r16f"},
-                                  {VK_FORMAT_R16G16B16A16_UNORM, "rgba16"},
-                                  {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "rgb10_a2"},
-                                  {VK_FORMAT_R8G8B8A8_UNORM, "rgba8"},
-                                  {VK_FORMAT_R16G16_UNORM, "rg16"},
-                                  {VK_FORMAT_R8G8_UNORM, "rg8"},
-                                  {VK_FORMAT_R16_UNORM, "r16"},
-                                  {VK_FORMAT_R8_UNORM, "r8"},
-                                  {VK_FORMAT_R16G16B16A16_SNORM, "rgba16_snorm"},
-                                  {VK_FORMAT_R8G8B8A8_SNORM, "rgba8_snorm"},
-                                  {VK_FORMAT_R16G16_SNORM, "rg16_snorm"},
-                                  {VK_FORMAT_R8G8_SNORM, "rg8_snorm"},
-                                  {VK_FORMAT_R16_SNORM, "r16_snorm"},
-                                  {VK_FORMAT_R8_SNORM, "r8_snorm"},
-                                  {VK_FORMAT_R32G32B32A32_SINT, "rgba32i"},
-                                  {VK_FORMAT_R16G16B16A16_SINT, "rgba16i"},
-                                  {VK_FORMAT_R8G8B8A8_SINT, "rgba8i"},
-                                  {VK_FORMAT_R32G32_SINT, "rg32i"},
-                                  {VK_FORMAT_R16G16_SINT, "rg16i"},
-                                  {VK_FORMAT_R8G8_SINT, "rg8i"},
-                                  {VK_FORMAT_R32_SINT, "r32i"},
-                                  {VK_FORMAT_R16_SINT, "r16i"},
-                                  {VK_FORMAT_R8_SINT, "r8i"},
-                                  {VK_FORMAT_R32G32B32A32_UINT, "rgba32ui"},
-                                  {VK_FORMAT_R16G16B16A16_UINT, "rgba16ui"},
-                                  {VK_FORMAT_A2B10G10R10_UINT_PACK32, "rgb10_a2ui"},
-                                  {VK_FORMAT_R8G8B8A8_UINT, "rgba8ui"},
-                                  {VK_FORMAT_R32G32_UINT, "rg32ui"},
-                                  {VK_FORMAT_R16G16_UINT, "rg16ui"},
-                                  {VK_FORMAT_R8G8_UINT, "rg8ui"},
-                                  {VK_FORMAT_R32_UINT, "r32ui"},
-                                  {VK_FORMAT_R16_UINT, "r16ui"},
-                                  {VK_FORMAT_R8_UINT, "r8ui"}};
-
 TEST(IcdFormatShader, EveryDeclaredStorageFormat) {
   ImageClient client;
   std::mt19937 random(kSeed);
   const auto values = client.buffer(kCount * 16), out = client.buffer(kCount * 16);
   uint32_t turn = 0;
-  for (const Declared& declared : kDeclared) {
+  for (const cts::StorageFormat& declared : cts::storage_formats()) {
     const Dimension& d = kDimensions[turn++ % std::size(kDimensions)];
-    store_and_load(client, cts::info_of(declared.format), d, std::string(", ") + declared.glsl, random, values, out);
+    store_and_load(client, cts::info_of(declared.format), d, std::string(", ") + declared.qualifier, random, values, out);
     if (HasFatalFailure()) return;
   }
 }

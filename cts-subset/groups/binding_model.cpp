@@ -216,7 +216,9 @@ void run_dynamic_offsets(Device& device, bool storage, uint32_t bindings_count) 
   const uint32_t step = 256, dispatches = 5;
   std::vector<uint32_t> words(step / 4 * 16);
   std::iota(words.begin(), words.end(), 1u);
-  const Buffer in = create_buffer(device, words), out = create_buffer(device, dispatches * 4);
+  const Buffer in = create_buffer(device, words);
+  // The offsets of the outputs must respect minStorageBufferOffsetAlignment, too.
+  const Buffer out = create_buffer(device, VkDeviceSize{dispatches} * step);
   std::vector<VkDescriptorSetLayoutBinding> bindings = {
       {0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}};
   std::string blocks = "layout(binding = 0, std430) buffer O { uint o; };\n", sum;
@@ -235,9 +237,6 @@ void run_dynamic_offsets(Device& device, bool storage, uint32_t bindings_count) 
       compile_glsl(VK_SHADER_STAGE_COMPUTE_BIT,
                    fmt::format("layout(local_size_x = 1) in; {} void main() {{ o = 0u{}; }}", blocks, sum)),
       s.layout, none);
-  // The output's offset must respect minStorageBufferOffsetAlignment: the outputs stand that far apart.
-  const Buffer spaced = create_buffer(device, VkDeviceSize{dispatches} * step);
-  write_buffer(device, s.sets[0], 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, spaced, 4);
   device.run([&](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     for (uint32_t k = 0; k < dispatches; ++k) {
@@ -252,7 +251,7 @@ void run_dynamic_offsets(Device& device, bool storage, uint32_t bindings_count) 
   for (uint32_t k = 0; k < dispatches; ++k) {
     uint32_t want = 0;
     for (uint32_t i = 1; i <= bindings_count; ++i) want += words[(k * 3 + i) % 16 * step / 4] * i;
-    const uint32_t got = spaced.as<uint32_t>()[k * step / 4];
+    const uint32_t got = out.as<uint32_t>()[k * step / 4];
     expect(got == want, fmt::format("dispatch {}: {}, not {}", k, got, want));
   }
 }

@@ -23,7 +23,7 @@ std::vector<bool> covered(const std::vector<std::byte>& pixels) {
   return result;
 }
 
-// Every pixel whose centre is not within `margin` px of the border must be as `inside` says; inside > 0 is covered.
+// Every pixel whose centre is not within 1/16 px of the border must be as `inside_px` says: covered where it is positive.
 void expect_region(const std::vector<bool>& got, const std::function<double(double x, double y)>& inside_px) {
   for (uint32_t y = 0; y < kSize; ++y) {
     for (uint32_t x = 0; x < kSize; ++x) {
@@ -116,19 +116,34 @@ void run_distances(Device& device, uint32_t count, bool cull, uint32_t seed) {
   }
 }
 
+using Homogeneous = std::array<double, 3>;  // x, y, w
+Homogeneous cross(const Homogeneous& a, const Homogeneous& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dot(const Homogeneous& a, const Homogeneous& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// `behind`: how many vertices are not in front. Others are drawn until the triangle has an area: seen edge-on it would cover
+// nothing, or anything.
+std::array<Homogeneous, 3> triangle_around_the_eye(Random& random, size_t behind, bool exactly_zero) {
+  constexpr double kLeastDeterminant = 1e-3;
+  const auto on_grid = [&](double low, double high) { return std::round(random.between(low, high) * 64) / 64; };
+  std::array<Homogeneous, 3> v;
+  do {
+    for (size_t i = 0; i < 3; ++i) {
+      v[i] = {on_grid(-3, 3), on_grid(-3, 3), i >= behind ? on_grid(0.5, 2) : exactly_zero ? 0.0 : -on_grid(0.25, 2)};
+    }
+  } while (std::abs(dot(v[0], cross(v[1], v[2]))) < kLeastDeterminant);
+  return v;
+}
+
 // Triangles with a vertex behind the eye (w < 0) or at it (w = 0): only what lies in front appears, with homogeneous
 // coordinates deciding. Pixel (x, y) is covered when the solution of the three vertices has positive weights and w > 0.
 void run_behind_the_eye(Device& device, uint32_t seed, bool exactly_zero) {
   Random random(fmt::format("behind{}", seed));
-  std::array<std::array<double, 3>, 3> v;  // x, y, w
+  const std::array<Homogeneous, 3> v = triangle_around_the_eye(random, seed % 2 ? 2 : 1, exactly_zero);
   std::string array;
-  for (size_t i = 0; i < 3; ++i) {
-    const bool behind = i == 0 || (seed % 2 && i == 1);
-    v[i] = {std::round(random.between(-3, 3) * 64) / 64, std::round(random.between(-3, 3) * 64) / 64,
-            behind ? (exactly_zero ? 0.0 : -std::round(random.between(0.25, 2) * 64) / 64)
-                   : std::round(random.between(0.5, 2) * 64) / 64};
-    array += fmt::format("{}vec3({:.6f}, {:.6f}, {:.6f})", i ? ", " : "", v[i][0], v[i][1], v[i][2]);
-  }
+  for (const Homogeneous& p : v)
+    array += fmt::format("{}vec3({:.6f}, {:.6f}, {:.6f})", array.empty() ? "" : ", ", p[0], p[1], p[2]);
   DrawState state;
   // z = w / 2 keeps every point that is in front away from the near and far planes, except w = 0 itself.
   state.vertex = compile_glsl(VK_SHADER_STAGE_VERTEX_BIT, fmt::format("void main() {{ vec3 p = vec3[]({})[gl_VertexIndex];"
@@ -136,20 +151,13 @@ void run_behind_the_eye(Device& device, uint32_t seed, bool exactly_zero) {
                                                                       array));
   state.fragment = compile_glsl(VK_SHADER_STAGE_FRAGMENT_BIT, kWhite);
   const auto got = covered(draw_once(device, state, {kSize, kSize}));
-  const auto cross = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    return std::array<double, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  const auto edge = [&](size_t i) { return cross(v[(i + 1) % 3], v[(i + 2) % 3]); };
-  const auto e0 = edge(0);
-  const double determinant = v[0][0] * e0[0] + v[0][1] * e0[1] + v[0][2] * e0[2];
-  if (std::abs(determinant) < 1e-3) return;
+  const double sign = dot(v[0], cross(v[1], v[2])) > 0 ? 1 : -1;
   expect_region(got, [&](double x, double y) {
-    const double nx = x / kSize * 2 - 1, ny = y / kSize * 2 - 1;
+    const Homogeneous pixel = {x / kSize * 2 - 1, y / kSize * 2 - 1, 1};
     double least = 1e9;
     for (size_t i = 0; i < 3; ++i) {
-      const auto e = edge(i);
-      const double value = (e[0] * nx + e[1] * ny + e[2]) * (determinant > 0 ? 1 : -1);
-      least = std::min(least, value / (std::hypot(e[0], e[1]) + 1e-30) * kSize / 2);
+      const Homogeneous e = cross(v[(i + 1) % 3], v[(i + 2) % 3]);
+      least = std::min(least, sign * dot(e, pixel) / (std::hypot(e[0], e[1]) + 1e-30) * kSize / 2);
     }
     return least;  // all weights positive: w is too, because 1/w is their sum
   });

@@ -223,7 +223,7 @@ void run_discard(Device& device, const DiscardCase& c) {
   }
 }
 
-// Derivatives of a linear function stay right beside discarded neighbours only with demote; of all four lanes alive here.
+// A rectangle over clip space: covered is what the viewport's rectangle covers, with the depth that its range gives.
 void run_viewport(Device& device, const VkViewport& viewport) {
   DrawState state;
   state.vertex =

@@ -17,50 +17,6 @@ namespace {
 
 constexpr uint32_t kWidth = 9, kHeight = 5;
 
-struct StorageFormat {
-  VkFormat format;
-  const char* qualifier;
-};
-constexpr StorageFormat kStorageFormats[] = {{VK_FORMAT_R32G32B32A32_SFLOAT, "rgba32f"},
-                                             {VK_FORMAT_R16G16B16A16_SFLOAT, "rgba16f"},
-                                             {VK_FORMAT_R32G32_SFLOAT, "rg32f"},
-                                             {VK_FORMAT_R16G16_SFLOAT, "rg16f"},
-                                             {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "r11f_g11f_b10f"},
-                                             {VK_FORMAT_R32_SFLOAT, "r32f"},
-                                             {VK_FORMAT_R16_SFLOAT, "r16f"},
-                                             {VK_FORMAT_R16G16B16A16_UNORM, "rgba16"},
-                                             {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "rgb10_a2"},
-                                             {VK_FORMAT_R8G8B8A8_UNORM, "rgba8"},
-                                             {VK_FORMAT_R16G16_UNORM, "rg16"},
-                                             {VK_FORMAT_R8G8_UNORM, "rg8"},
-                                             {VK_FORMAT_R16_UNORM, "r16"},
-                                             {VK_FORMAT_R8_UNORM, "r8"},
-                                             {VK_FORMAT_R16G16B16A16_SNORM, "rgba16_snorm"},
-                                             {VK_FORMAT_R8G8B8A8_SNORM, "rgba8_snorm"},
-                                             {VK_FORMAT_R16G16_SNORM, "rg16_snorm"},
-                                             {VK_FORMAT_R8G8_SNORM, "rg8_snorm"},
-                                             {VK_FORMAT_R16_SNORM, "r16_snorm"},
-                                             {VK_FORMAT_R8_SNORM, "r8_snorm"},
-                                             {VK_FORMAT_R32G32B32A32_SINT, "rgba32i"},
-                                             {VK_FORMAT_R16G16B16A16_SINT, "rgba16i"},
-                                             {VK_FORMAT_R8G8B8A8_SINT, "rgba8i"},
-                                             {VK_FORMAT_R32G32_SINT, "rg32i"},
-                                             {VK_FORMAT_R16G16_SINT, "rg16i"},
-                                             {VK_FORMAT_R8G8_SINT, "rg8i"},
-                                             {VK_FORMAT_R32_SINT, "r32i"},
-                                             {VK_FORMAT_R16_SINT, "r16i"},
-                                             {VK_FORMAT_R8_SINT, "r8i"},
-                                             {VK_FORMAT_R32G32B32A32_UINT, "rgba32ui"},
-                                             {VK_FORMAT_R16G16B16A16_UINT, "rgba16ui"},
-                                             {VK_FORMAT_R8G8B8A8_UINT, "rgba8ui"},
-                                             {VK_FORMAT_R32G32_UINT, "rg32ui"},
-                                             {VK_FORMAT_R16G16_UINT, "rg16ui"},
-                                             {VK_FORMAT_R8G8_UINT, "rg8ui"},
-                                             {VK_FORMAT_R32_UINT, "r32ui"},
-                                             {VK_FORMAT_R16_UINT, "r16ui"},
-                                             {VK_FORMAT_R8_UINT, "r8ui"},
-                                             {VK_FORMAT_A2B10G10R10_UINT_PACK32, "rgb10_a2ui"}};
-
 const char* prefix_of(const FormatInfo& info) { return !info.is_integer() ? "" : info.is_signed() ? "i" : "u"; }
 
 enum class Shape { k1D, k2D, k3D, k2DArray, kCube, kBuffer };
@@ -156,15 +112,22 @@ const char* position_of(Shape shape) {
 // Loads every texel as numbers into a buffer, and stores into a second image the components reversed.
 void run_load_store(Device& device, Shape shape, const StorageFormat& f) {
   const FormatInfo& info = info_of(f.format);
-  if (std::string_view(f.qualifier) != "r32ui") {
-    static constexpr VkFormat kBasic[] = {
-        VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32_SFLOAT,
-        VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SNORM,      VK_FORMAT_R32G32B32A32_SINT,
-        VK_FORMAT_R16G16B16A16_SINT,   VK_FORMAT_R8G8B8A8_SINT,       VK_FORMAT_R32_SINT,
-        VK_FORMAT_R32G32B32A32_UINT,   VK_FORMAT_R16G16B16A16_UINT,   VK_FORMAT_R8G8B8A8_UINT};
-    const bool basic = std::find(std::begin(kBasic), std::end(kBasic), f.format) != std::end(kBasic);
-    require(basic || device.caps().features.shaderStorageImageExtendedFormats, "shaderStorageImageExtendedFormats");
-  }
+  // Those that need no feature ("Features", shaderStorageImageExtendedFormats).
+  static constexpr VkFormat kBasic[] = {VK_FORMAT_R32G32B32A32_SFLOAT,
+                                        VK_FORMAT_R16G16B16A16_SFLOAT,
+                                        VK_FORMAT_R32_SFLOAT,
+                                        VK_FORMAT_R8G8B8A8_UNORM,
+                                        VK_FORMAT_R8G8B8A8_SNORM,
+                                        VK_FORMAT_R32G32B32A32_SINT,
+                                        VK_FORMAT_R16G16B16A16_SINT,
+                                        VK_FORMAT_R8G8B8A8_SINT,
+                                        VK_FORMAT_R32_SINT,
+                                        VK_FORMAT_R32G32B32A32_UINT,
+                                        VK_FORMAT_R16G16B16A16_UINT,
+                                        VK_FORMAT_R8G8B8A8_UINT,
+                                        VK_FORMAT_R32_UINT};
+  require(std::ranges::find(kBasic, f.format) != std::end(kBasic) || device.caps().features.shaderStorageImageExtendedFormats,
+          "shaderStorageImageExtendedFormats");
   Random random(f.qualifier);
   const ImageDesc desc = desc_of(shape, f.format);
   const size_t count = shape == Shape::kBuffer
@@ -336,7 +299,7 @@ void run_texel_buffer(Device& device, const FormatInfo& info) {
 
 void register_image() {
   for (const auto& [shape, name] : kShapes) {
-    for (const StorageFormat& f : kStorageFormats) {
+    for (const StorageFormat& f : storage_formats()) {
       add_case("image.load_store", fmt::format("{}.{}", name, f.qualifier), "16.7 Image Operations: storage",
                [shape = shape, &f](Device& device) { run_load_store(device, shape, f); });
     }

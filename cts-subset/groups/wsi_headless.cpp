@@ -173,9 +173,13 @@ void run_frames(Device& device, const SwapchainCase& c) {
   vkDestroySwapchainKHR(device.handle(), swapchain, nullptr);
 }
 
-// With every image acquired and none presented, another acquire times out.
-void run_acquire_timeout(Device& device) {
+// None is presented in between. One more than imageCount - minImageCount images can be acquired by waiting for them ("WSI
+// Swapchain": forward progress); more only if they happen to be free. No image comes twice.
+void run_acquire_all(Device& device) {
   const Surface surface(device);
+  VkSurfaceCapabilitiesKHR caps;
+  check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical(), surface.handle, &caps),
+        "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
   const VkSwapchainKHR swapchain =
       create_swapchain(device, surface, {VK_PRESENT_MODE_FIFO_KHR, 2, 0, {16, 16}, false}, VK_NULL_HANDLE);
   uint32_t count = 0, index = 0;
@@ -183,14 +187,16 @@ void run_acquire_timeout(Device& device) {
   const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   std::set<uint32_t> seen;
   for (uint32_t i = 0; i < count; ++i) {
+    const bool promised = i <= count - caps.minImageCount;
     const auto fence = make<VkFence, vkDestroyFence>(device, vkCreateFence, fence_info, "vkCreateFence");
     const VkFence handle = fence;
-    const VkResult result = vkAcquireNextImageKHR(device.handle(), swapchain, 0, VK_NULL_HANDLE, fence, &index);
-    if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) break;  // only count - minImageCount + 1 need be possible
+    const VkResult result =
+        vkAcquireNextImageKHR(device.handle(), swapchain, promised ? ~0ull : 0, VK_NULL_HANDLE, fence, &index);
+    if (!promised && (result == VK_NOT_READY || result == VK_TIMEOUT)) break;
+    if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR");
     check(vkWaitForFences(device.handle(), 1, &handle, VK_TRUE, ~0ull), "vkWaitForFences");
     expect(seen.insert(index).second, fmt::format("image {} was acquired twice", index));
   }
-  expect(!seen.empty(), "no image could be acquired");
   vkDestroySwapchainKHR(device.handle(), swapchain, nullptr);
 }
 
@@ -199,7 +205,7 @@ void run_acquire_timeout(Device& device) {
 void register_wsi_headless() {
   constexpr const char* kSection = "34.10 WSI Swapchain";
   add_case("wsi.headless", "surface_queries", "34.5 Surface Queries", run_queries);
-  add_case("wsi.headless", "acquire_all", kSection, run_acquire_timeout);
+  add_case("wsi.headless", "acquire_all", kSection, run_acquire_all);
   static constexpr std::pair<VkPresentModeKHR, const char*> kModes[] = {{VK_PRESENT_MODE_FIFO_KHR, "fifo"},
                                                                         {VK_PRESENT_MODE_MAILBOX_KHR, "mailbox"},
                                                                         {VK_PRESENT_MODE_IMMEDIATE_KHR, "immediate"},

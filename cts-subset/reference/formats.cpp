@@ -173,25 +173,26 @@ std::vector<FormatInfo> make_table() {
   ARRAY16(R16, "r")
   ARRAY16(R16G16, "rg")
   ARRAY16(R16G16B16, "rgb")
-  ARRAY16(R16G16B16A16, "rgba") ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba")
-      PACKED(R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4) PACKED(
-          B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4) PACKED(A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4)
-          PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4) PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5)
-              PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5) PACKED(R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1)
-                  PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1) PACKED(
-                      A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5) PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8,
-                                                                                   8, 8) PACKED(A8B8G8R8_SNORM_PACK32, "abgr",
-                                                                                                N::kSnorm, 8, 8, 8, 8)
-                      PACKED(A8B8G8R8_USCALED_PACK32, "abgr", N::kUscaled, 8, 8, 8,
-                             8) PACKED(A8B8G8R8_SSCALED_PACK32, "abgr", N::kSscaled, 8, 8, 8, 8)
-                          PACKED(A8B8G8R8_UINT_PACK32, "abgr", N::kUint, 8, 8, 8,
-                                 8) PACKED(A8B8G8R8_SINT_PACK32, "abgr", N::kSint, 8, 8, 8, 8)
-                              PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8,
-                                     8) PACKED(A2R10G10B10_UNORM_PACK32, "argb", N::kUnorm, 2, 10, 10,
-                                               10) PACKED(A2R10G10B10_SNORM_PACK32, "argb", N::kSnorm, 2, 10, 10, 10)
-                                  PACKED(A2R10G10B10_USCALED_PACK32, "argb", N::kUscaled, 2, 10, 10,
-                                         10) PACKED(A2R10G10B10_SSCALED_PACK32, "argb", N::kSscaled, 2, 10, 10,
-                                                    10) PACKED(A2R10G10B10_UINT_PACK32, "argb", N::kUint, 2, 10, 10, 10)
+  ARRAY16(R16G16B16A16, "rgba")
+  ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba") PACKED(
+      R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4)
+      PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4) PACKED(
+          A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4) PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4)
+          PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5) PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5) PACKED(
+              R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1) PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1)
+              PACKED(A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5)
+                  PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8, 8,
+                         8) PACKED(A8B8G8R8_SNORM_PACK32, "abgr", N::kSnorm, 8, 8, 8, 8) PACKED(A8B8G8R8_USCALED_PACK32, "abgr",
+                                                                                                N::kUscaled, 8, 8, 8, 8)
+                      PACKED(A8B8G8R8_SSCALED_PACK32, "abgr", N::kSscaled, 8, 8, 8,
+                             8) PACKED(A8B8G8R8_UINT_PACK32, "abgr", N::kUint, 8, 8, 8, 8)
+                          PACKED(A8B8G8R8_SINT_PACK32, "abgr", N::kSint, 8, 8, 8,
+                                 8) PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8, 8)
+                              PACKED(A2R10G10B10_UNORM_PACK32, "argb", N::kUnorm, 2, 10, 10,
+                                     10) PACKED(A2R10G10B10_SNORM_PACK32, "argb", N::kSnorm, 2, 10, 10,
+                                                10) PACKED(A2R10G10B10_USCALED_PACK32, "argb", N::kUscaled, 2, 10, 10, 10)
+                                  PACKED(A2R10G10B10_SSCALED_PACK32, "argb", N::kSscaled, 2, 10, 10,
+                                         10) PACKED(A2R10G10B10_UINT_PACK32, "argb", N::kUint, 2, 10, 10, 10)
                                       PACKED(A2R10G10B10_SINT_PACK32, "argb", N::kSint, 2, 10, 10, 10)
                                           PACKED(A2B10G10R10_UNORM_PACK32, "abgr", N::kUnorm, 2, 10, 10, 10)
                                               PACKED(A2B10G10R10_SNORM_PACK32, "abgr", N::kSnorm, 2, 10, 10, 10)
@@ -232,6 +233,51 @@ const FormatInfo& info_of(VkFormat format) {
     if (info.format == format) return info;
   }
   throw std::logic_error("no reference for this format");
+}
+
+std::span<const StorageFormat> storage_formats() {
+  static constexpr StorageFormat kTable[] = {
+      {VK_FORMAT_R32G32B32A32_SFLOAT, "rgba32f"},
+      {VK_FORMAT_R16G16B16A16_SFLOAT, "rgba16f"},
+      {VK_FORMAT_R32G32_SFLOAT, "rg32f"},
+      {VK_FORMAT_R16G16_SFLOAT, "rg16f"},
+      {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "r11f_g11f_b10f"},
+      {VK_FORMAT_R32_SFLOAT, "r32f"},
+      {VK_FORMAT_R16_SFLOAT, "r16f"},
+      {VK_FORMAT_R16G16B16A16_UNORM, "rgba16"},
+      {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "rgb10_a2"},
+      {VK_FORMAT_R8G8B8A8_UNORM, "rgba8"},
+      {VK_FORMAT_R16G16_UNORM, "rg16"},
+      {VK_FORMAT_R8G8_UNORM, "rg8"},
+      {VK_FORMAT_R16_UNORM, "r16"},
+      {VK_FORMAT_R8_UNORM, "r8"},
+      {VK_FORMAT_R16G16B16A16_SNORM, "rgba16_snorm"},
+      {VK_FORMAT_R8G8B8A8_SNORM, "rgba8_snorm"},
+      {VK_FORMAT_R16G16_SNORM, "rg16_snorm"},
+      {VK_FORMAT_R8G8_SNORM, "rg8_snorm"},
+      {VK_FORMAT_R16_SNORM, "r16_snorm"},
+      {VK_FORMAT_R8_SNORM, "r8_snorm"},
+      {VK_FORMAT_R32G32B32A32_SINT, "rgba32i"},
+      {VK_FORMAT_R16G16B16A16_SINT, "rgba16i"},
+      {VK_FORMAT_R8G8B8A8_SINT, "rgba8i"},
+      {VK_FORMAT_R32G32_SINT, "rg32i"},
+      {VK_FORMAT_R16G16_SINT, "rg16i"},
+      {VK_FORMAT_R8G8_SINT, "rg8i"},
+      {VK_FORMAT_R32_SINT, "r32i"},
+      {VK_FORMAT_R16_SINT, "r16i"},
+      {VK_FORMAT_R8_SINT, "r8i"},
+      {VK_FORMAT_R32G32B32A32_UINT, "rgba32ui"},
+      {VK_FORMAT_R16G16B16A16_UINT, "rgba16ui"},
+      {VK_FORMAT_R8G8B8A8_UINT, "rgba8ui"},
+      {VK_FORMAT_R32G32_UINT, "rg32ui"},
+      {VK_FORMAT_R16G16_UINT, "rg16ui"},
+      {VK_FORMAT_R8G8_UINT, "rg8ui"},
+      {VK_FORMAT_R32_UINT, "r32ui"},
+      {VK_FORMAT_R16_UINT, "r16ui"},
+      {VK_FORMAT_R8_UINT, "r8ui"},
+      {VK_FORMAT_A2B10G10R10_UINT_PACK32, "rgb10_a2ui"},
+  };
+  return kTable;
 }
 
 Colour decode(const FormatInfo& info, const std::byte* texel) {

@@ -35,6 +35,14 @@ struct FormatInfo {
 std::span<const FormatInfo> colour_formats();
 const FormatInfo& info_of(VkFormat format);
 
+// What GLSL calls the formats that a storage image can declare, of at most 32 bits a channel ("Compatibility Between SPIR-V Image
+// Formats And Vulkan Formats").
+struct StorageFormat {
+  VkFormat format;
+  const char* qualifier;
+};
+std::span<const StorageFormat> storage_formats();
+
 using Colour = std::array<double, 4>;  // r, g, b, a; what a format lacks is 0, 0, 0, 1
 
 Colour decode(const FormatInfo& info, const std::byte* texel);
