@@ -5,19 +5,31 @@
 namespace pineda::spirv {
 namespace {
 
-// `place` is the same for all scalars of the input that the first operand points to.
+// Scalar `at` of the input variable, which must be a located float.
+ir::Value input_at(Translator& t, const Instruction& inst, std::span<const InterfaceEntry> entries, size_t at,
+                   const InterpolationPlace& place) {
+  if (at >= entries.size()) inst.fail("the operand is not inside its variable");
+  const std::optional<InterfaceScalar>& scalar = entries[at].scalar;
+  const ir::Value value = scalar && !scalar->built_in ? t.stage.input_at(t.b, *scalar, place) : ir::Value{};
+  if (!value || t.b.type(value) != ir::Type::kF32) inst.fail("this input cannot be interpolated here");
+  return value;
+}
+
+// `place` is the same for all scalars of the input that the first operand points to. Of an element that is chosen at run time
+// all candidates are interpolated, as FlatMemory::load chooses among all of them; an index outside gives one of them.
 void interpolate(Translator& t, const Instruction& inst, const InterpolationPlace& place) {
   const Pointer p = t.pointer(inst, kFirstOperand);
   const auto entries = t.m.interface_entries.find(p.variable);
   if (p.storage != spv::StorageClassInput || entries == t.m.interface_entries.end()) inst.fail("the operand must be an input");
-  if (p.index) inst.fail("an input that is indexed by a variable cannot be interpolated elsewhere");
+  const uint32_t step = p.index ? t.m.variable(p.variable)->dynamic_step : 0;
+  if (p.index && step == 0) inst.fail("the pointer was computed before its base");
   Values out;
   const size_t count = t.m.flat_scalars(p.pointee).size();
   for (size_t i = 0; i < count; ++i) {
-    if (p.offset + i >= entries->second.size()) inst.fail("the operand is not inside its variable");
-    const std::optional<InterfaceScalar>& scalar = entries->second[p.offset + i].scalar;
-    const ir::Value value = scalar && !scalar->built_in ? t.stage.input_at(t.b, *scalar, place) : ir::Value{};
-    if (!value || t.b.type(value) != ir::Type::kF32) inst.fail("this input cannot be interpolated here");
+    const auto first = static_cast<uint32_t>(p.offset + i);
+    ir::Value value = input_at(t, inst, entries->second, first, place);
+    for (uint32_t at = first + step; step != 0 && at < entries->second.size(); at += step)
+      value = t.b.select(t.b.ieq(p.index, t.b.i32(at - first)), input_at(t, inst, entries->second, at, place), value);
     out.push_back(value);
   }
   t.define(inst, out);

@@ -226,8 +226,6 @@ void Translator::store_memory(const Instruction& inst, const Pointer& to, const 
 
 // ---- instructions ---------------------------------------------------------------------------------------------------------
 
-namespace {}  // namespace
-
 Opaque opaque_of(Translator& t, const Instruction& inst, const Pointer& p) {
   const Type& type = t.m.type(p.pointee);
   const Decorations& d = t.m.decorations_of(p.variable);

@@ -29,6 +29,7 @@ void register_all_groups() {
   register_memory();
   register_spirv_assembly();
   register_glsl_derivatives();
+  register_glsl_interpolation();
   register_binding_model();
   register_image();
   register_synchronization();

@@ -27,6 +27,7 @@ void register_robustness();
 void register_memory();
 void register_spirv_assembly();
 void register_glsl_derivatives();
+void register_glsl_interpolation();
 void register_binding_model();
 void register_image();
 void register_synchronization();

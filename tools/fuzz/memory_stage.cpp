@@ -37,6 +37,16 @@ Value MemoryStage::input(Builder& b, const spirv::InterfaceScalar& in) {
   return b.load(in.type, slot(b), ir::kInvariant);
 }
 
+// A word of its own, which the place moves a little.
+Value MemoryStage::input_at(Builder& b, const spirv::InterfaceScalar& in, const spirv::InterpolationPlace& place) {
+  Value moved = input(b, in);
+  if (b.type(moved) != Type::kF32) return moved;
+  for (const Value by : {as_float(b, place.sample), as_float(b, place.offset[0]), as_float(b, place.offset[1])}) {
+    moved = b.fadd(b.fmul(moved, b.f32(0.75)), by);
+  }
+  return place.centroid ? b.fneg(moved) : moved;
+}
+
 void MemoryStage::output(Builder& b, const spirv::InterfaceScalar&, Value value) {
   b.store(slot(b), b.type(value) == Type::kB1 ? b.convert(Op::kZExt, Type::kI32, value) : value);
 }
@@ -99,6 +109,12 @@ bool MemoryStage::image_store(Builder& b, const spirv::ImageAccess& a, std::span
   const spirv::BufferRef image = entry(b, b.i32(kImage));
   b.store({.base = image.base, .offset = texel_offset(b, a), .limit = image.size_bytes}, texel[0]);
   return true;
+}
+
+std::optional<ir::Address> MemoryStage::image_texel(Builder& b, const spirv::ImageAccess& a) {
+  const spirv::BufferRef image = entry(b, b.i32(kImage));
+  const Value offset = b.and_(texel_offset(b, a), b.i32(0 - ir::size_bytes(a.component)));
+  return ir::Address{.base = image.base, .offset = offset, .limit = image.size_bytes};
 }
 
 Value MemoryStage::covered(Builder& b) {

@@ -32,12 +32,14 @@ struct WaveRecord {
 class MemoryStage final : public spirv::StageInterface {
  public:
   ir::Value input(ir::Builder& b, const spirv::InterfaceScalar& in) override;
+  ir::Value input_at(ir::Builder& b, const spirv::InterfaceScalar& in, const spirv::InterpolationPlace& place) override;
   void output(ir::Builder& b, const spirv::InterfaceScalar& out, ir::Value value) override;
   std::optional<spirv::BufferRef> buffer(ir::Builder& b, uint32_t set, uint32_t binding, ir::Value array_index) override;
   std::optional<std::array<ir::Value, 4>> sample(ir::Builder& b, const spirv::SampleRequest& request) override;
   std::optional<std::array<ir::Value, 4>> query(ir::Builder& b, const spirv::ImageQuery& query) override;
   std::optional<std::array<ir::Value, 4>> image_load(ir::Builder& b, const spirv::ImageAccess& access) override;
   bool image_store(ir::Builder& b, const spirv::ImageAccess& access, std::span<const ir::Value> texel) override;
+  std::optional<ir::Address> image_texel(ir::Builder& b, const spirv::ImageAccess& access) override;
   ir::Value covered(ir::Builder& b) override;
   ir::Value shared_memory(ir::Builder& b) override;
   std::array<ir::Value, 2> address_ranges(ir::Builder& b) override;
