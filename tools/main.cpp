@@ -206,7 +206,7 @@ void add_verbs(CLI::App& app, Arguments& arguments, int& status) {
       ->check(CLI::PositiveNumber);
   report->add_flag("--extreme", arguments.extreme, "stiff and extreme cases instead: what drivers give beside what is right");
   report->add_option("--readme", arguments.readme,
-                     "measure nothing: rewrite this file's sections from bench.json, accuracy.json and extreme.json in --out");
+                     "measure nothing: rewrite this file's sections from the reports in --out (tools/readme.h)");
   report->add_option("--filter", arguments.filter, "only extreme cases whose 'group: name' contains this");
   add_driver_set(*report, arguments);
   report->add_flag("--quick", arguments.quick, "without PINEDA_MODE=f64, or the other ISA paths of the extreme cases");

@@ -1,5 +1,6 @@
 #include "tools/readme.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr double kAlikeShare = 0.999;
 constexpr const char* kPlots[] = {"edges.sampling", "marble.arithmetic"};
 
 std::string read_file(const fs::path& path) {
@@ -36,6 +38,35 @@ std::string machine_text(const json& report) {  // the rows of machine_info.cpp 
   return fmt::format("{}, {} cores, {}", machine.value("Processor", "?"), machine.value("Cores", "?"),
                      machine.value("Instruction sets", "?"));
 }
+
+// Whose root mean square error against the truth is the smaller one, scene by scene.
+class Nearer {
+ public:
+  void add(const std::string& scene, double pineda, double lavapipe) {
+    constexpr double kEqual = 1.01;
+    ++count_;
+    if (std::max(pineda, lavapipe) <= kEqual * std::min(pineda, lavapipe)) {
+      append(equal_, scene);
+    } else if (pineda < lavapipe) {
+      ++pineda_;
+    } else {
+      append(lavapipe_, fmt::format("{} ({:.2g}/255 beside {:.2g}/255)", scene, pineda, lavapipe));
+    }
+  }
+
+  std::string text() const {
+    return fmt::format(
+        "Pineda's root mean square error against the f64 truth is the smaller one in {} of the {}; equal to 1 %: {}; larger: "
+        "{}.\n",
+        pineda_, count_, equal_.empty() ? "none" : equal_, lavapipe_.empty() ? "none" : lavapipe_);
+  }
+
+ private:
+  static void append(std::string& list, const std::string& what) { list += (list.empty() ? "" : ", ") + what; }
+
+  int count_ = 0, pineda_ = 0;
+  std::string equal_, lavapipe_;
+};
 
 }  // namespace
 
@@ -110,13 +141,69 @@ std::string extreme_section(const json& report) {
   return text;
 }
 
+std::string scenes_section(const json& report) {
+  Nearer nearer;
+  std::string others;
+  size_t alike = 0;
+  for (const json& scene : report.at("scenes")) {
+    const std::string name = scene.at("scene");
+    if (scene.at("differences").empty()) fail("report.json: {} was not drawn by two drivers", name);
+    if (scene.at("truth_errors").size() != 2) fail("report.json has no truth (pineda compare --truth)");
+    const double share = scene.at("differences")[0].at("within_one_share");
+    if (share >= kAlikeShare) {
+      ++alike;
+    } else {
+      others += fmt::format("{}{} ({:.1f} %)", others.empty() ? "" : ", ", name, 100 * share);
+    }
+    nearer.add(name, scene.at("truth_errors")[0].at("rmse"), scene.at("truth_errors")[1].at("rmse"));
+  }
+  std::string text = fmt::format(
+      "`./run compare --truth` on the {} scenes at {}x{}: in {} at least {:g} % of the pixels are within 1/255 of lavapipe's",
+      report.at("scenes").size(), report.at("width").get<int>(), report.at("height").get<int>(), alike, 100 * kAlikeShare);
+  if (!others.empty()) text += "; in the others, " + others + ", [docs/differences.md](docs/differences.md) says why not";
+  return text + ".\n" + nearer.text();
+}
+
+std::string cts_section(const std::string& pineda, const std::string& lavapipe) {
+  const auto counts = [](const std::string& junit) {
+    const auto number = [&](const std::string& attribute) {
+      const std::string key = " " + attribute + "=\"";
+      const size_t at = junit.find(key);
+      if (at == std::string::npos) fail("a JUnit file without {}", attribute);
+      return std::stoi(junit.substr(at + key.size()));
+    };
+    struct {
+      int all, failed, unsupported;
+    } result{number("tests"), number("failures"), number("skipped")};
+    return result;
+  };
+  const auto [all, failed, unsupported] = counts(pineda);
+  const auto [other_all, other_failed, other_unsupported] = counts(lavapipe);
+  if (all != other_all) fail("pineda.xml and lavapipe.xml are of different cases");
+  return fmt::format(
+      "| `./run cts`, {} cases | pass | fail | not supported |\n|---|---|---|---|\n| Pineda | {} | {} | {} |\n| lavapipe | {} | "
+      "{} | {} "
+      "|\n",
+      all, all - failed - unsupported, failed, unsupported, other_all - other_failed - other_unsupported, other_failed,
+      other_unsupported);
+}
+
 void update_readme(const std::string& path, const std::string& reports) {
   const fs::path folder = reports, images = fs::absolute(path).parent_path() / "docs/images";
   std::string text = read_file(path);
   const auto report_of = [&](const char* name) { return json::parse(read_file(folder / name)); };
-  if (fs::exists(folder / "bench.json")) text = replace_section(text, "bench", bench_section(report_of("bench.json")));
-  if (fs::exists(folder / "extreme.json")) text = replace_section(text, "extreme", extreme_section(report_of("extreme.json")));
-  if (fs::exists(folder / "accuracy.json")) {
+  const auto is_there = [&](const char* name) {
+    if (fs::exists(folder / name)) return true;
+    fmt::print("{} is not there: its section stays as it was\n", (folder / name).string());
+    return false;
+  };
+  if (is_there("bench.json")) text = replace_section(text, "bench", bench_section(report_of("bench.json")));
+  if (is_there("extreme.json")) text = replace_section(text, "extreme", extreme_section(report_of("extreme.json")));
+  if (is_there("report.json")) text = replace_section(text, "scenes", scenes_section(report_of("report.json")));
+  if (is_there("pineda.xml") && is_there("lavapipe.xml")) {
+    text = replace_section(text, "cts", cts_section(read_file(folder / "pineda.xml"), read_file(folder / "lavapipe.xml")));
+  }
+  if (is_there("accuracy.json")) {
     text = replace_section(text, "accuracy", accuracy_section(report_of("accuracy.json"), "docs/images"));
     fs::create_directories(images);
     for (const char* plot : kPlots) {
