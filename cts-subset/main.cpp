@@ -12,9 +12,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
+#include "cts-subset/groups/groups.h"
 #include "cts-subset/harness/case.h"
 #include "cts-subset/harness/device.h"
 #include "cts-subset/harness/isolate.h"
@@ -43,17 +45,24 @@ class PipeReporter : public testing::EmptyTestEventListener {
   int fd_;
 };
 
-// The names that GoogleTest's filter and sharding leave, in order.
+// The names that GoogleTest's filter and sharding leave, in order. Its listing knows the filter only; which of them are in this
+// shard is decided as GoogleTest does it: every n-th, by number.
 std::vector<std::string> selected_cases() {
   testing::internal::CaptureStdout();
   GTEST_FLAG_SET(list_tests, true);
   if (RUN_ALL_TESTS() != 0) return {};
   std::istringstream listing(testing::internal::GetCapturedStdout());
+  const auto number = [](const char* variable, uint32_t otherwise) {
+    const char* const text = getenv(variable);
+    return text ? static_cast<uint32_t>(std::stoul(text)) : otherwise;
+  };
+  const uint32_t shards = std::max(1u, number("GTEST_TOTAL_SHARDS", 1)), shard = number("GTEST_SHARD_INDEX", 0);
   std::vector<std::string> cases;
+  uint32_t count = 0;
   std::string line, group;
   while (std::getline(listing, line)) {
     if (line.starts_with("  ")) {
-      cases.push_back(group + line.substr(2));
+      if (count++ % shards == shard) cases.push_back(group + line.substr(2));
     } else {
       group = line;  // ends with a dot
     }
@@ -66,7 +75,7 @@ struct Driver {
 };
 
 // Runs the cases on each driver and prints a row for each group, a column for each driver.
-int run_in_children(const std::vector<Driver>& drivers) {
+int run_in_children(const std::vector<Driver>& drivers, IsolationOptions options) {
   const std::vector<std::string> cases = selected_cases();
   std::vector<Outcome> outcomes;
   std::string heading = fmt::format("{:<28}", "Pass / Fail / NotSupported"), all = fmt::format("{:<28}", "all");
@@ -74,8 +83,6 @@ int run_in_children(const std::vector<Driver>& drivers) {
   const auto column = [](const Totals& t) { return fmt::format("{:>7} /{:>5} /{:>5}", t.pass, t.fail, t.not_supported); };
   for (const Driver& driver : drivers) {
     if (drivers.size() > 1) fmt::print("{}:\n", driver.name);
-    IsolationOptions options;
-    options.program = "/proc/self/exe";
     options.manifest = driver.manifest;
     options.junit_path = driver.junit_path;
     outcomes.push_back(run_isolated(cases, options));
@@ -98,7 +105,7 @@ int run_as_child(const std::string& list_path, int report_fd) {
   std::string filter, name;
   while (std::getline(list, name)) filter += (filter.empty() ? "" : ":") + name;
   GTEST_FLAG_SET(filter, filter);
-  unsetenv("GTEST_TOTAL_SHARDS");  // the parent has applied it
+  for (const char* applied : {"GTEST_TOTAL_SHARDS", "GTEST_SHARD_INDEX"}) unsetenv(applied);  // by the parent
   auto& listeners = testing::UnitTest::GetInstance()->listeners();
   delete listeners.Release(listeners.default_result_printer());
   listeners.Append(new PipeReporter(report_fd));
@@ -111,7 +118,8 @@ int run_as_child(const std::string& list_path, int report_fd) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   CLI::App app("Conformance-style tests of the Vulkan driver that the loader finds");
-  bool isolate = false;
+  bool isolate = false, self_test = false;
+  uint32_t case_timeout_s = 60;
   std::string junit_path, child_list;
   std::vector<std::string> named_drivers;
   int child_report = -1;
@@ -119,10 +127,17 @@ int main(int argc, char** argv) {
   app.add_option("--junit", junit_path, "with --isolate: write a JUnit file");
   app.add_option("--driver", named_drivers,
                  "NAME=MANIFEST, repeated: isolate, on each of these; NAME.xml is written, exit status of the first");
+  app.add_option("--case-timeout", case_timeout_s, "seconds after which a case of a child process has failed")
+      ->capture_default_str();
+  app.add_flag("--self-test", self_test, "cases that pass, fail, crash and hang on purpose, in place of all others");
   app.add_option("--child-list", child_list)->group("");
   app.add_option("--child-report", child_report)->group("");
   CLI11_PARSE(app, argc, argv);
-  pineda::cts::register_all_groups();
+  if (self_test) {
+    pineda::cts::register_self_test();
+  } else {
+    pineda::cts::register_all_groups();
+  }
   int status;
   if (!child_list.empty()) {
     status = pineda::cts::run_as_child(child_list, child_report);
@@ -134,7 +149,11 @@ int main(int argc, char** argv) {
       drivers.push_back({name, manifest, name + ".xml"});
     }
     if (drivers.empty()) drivers.push_back({"driver", "", junit_path});
-    status = pineda::cts::run_in_children(drivers);
+    pineda::cts::IsolationOptions options;
+    options.program = "/proc/self/exe";
+    options.case_timeout = std::chrono::seconds(case_timeout_s);
+    if (self_test) options.arguments.push_back("--self-test");
+    status = pineda::cts::run_in_children(drivers, options);
   } else {
     status = RUN_ALL_TESTS();
   }

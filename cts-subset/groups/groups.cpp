@@ -11,6 +11,7 @@ void register_all_groups() {
   register_pipeline_depth_stencil();
   register_pipeline_logic_op();
   register_pipeline_vertex_input();
+  register_pipeline_timestamp();
   register_texture();
   register_rasterization();
   register_draw();

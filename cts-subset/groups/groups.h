@@ -9,6 +9,7 @@ void register_pipeline_blend();
 void register_pipeline_depth_stencil();
 void register_pipeline_logic_op();
 void register_pipeline_vertex_input();
+void register_pipeline_timestamp();
 void register_texture();
 void register_rasterization();
 void register_draw();
@@ -33,5 +34,7 @@ void register_image();
 void register_synchronization();
 void register_renderpass();
 void register_wsi_headless();
+
+void register_self_test();  // in place of all others, for the test of this program
 
 }  // namespace pineda::cts

@@ -1,4 +1,4 @@
-// query_pool.*: occlusion queries count samples exactly, results are copied and reset as specified; timestamps do not go back.
+// query_pool.*: occlusion queries count samples exactly, results are copied and reset as specified.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -11,14 +11,6 @@ namespace pineda::cts {
 namespace {
 
 constexpr uint32_t kSize = 32;
-
-QueryPool create_pool(Device& device, VkQueryType type, uint32_t count, VkQueryPipelineStatisticFlags statistics = 0) {
-  VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-  info.queryType = type;
-  info.queryCount = count;
-  info.pipelineStatistics = statistics;
-  return make<VkQueryPool, vkDestroyQueryPool>(device, vkCreateQueryPool, info, "vkCreateQueryPool");
-}
 
 // A rectangle of whole pixels, at depth z.
 DrawState rectangle(uint32_t width, uint32_t height, float z) {
@@ -57,7 +49,7 @@ void run_occlusion(Device& device, const OcclusionCase& c) {
   Target target;
   target.colours.push_back({&colour, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   target.depth_stencil = Attachment{&depth, VK_ATTACHMENT_LOAD_OP_CLEAR, {.depthStencil = {0.5f, 0}}};
-  const QueryPool pool = create_pool(device, VK_QUERY_TYPE_OCCLUSION, 2);
+  const QueryPool pool = create_query_pool(device, VK_QUERY_TYPE_OCCLUSION, 2);
   DrawState state = rectangle(c.width, c.height, c.hidden ? 0.75f : 0.25f);
   if (c.discards) {
     state.fragment = compile_glsl(
@@ -88,7 +80,7 @@ void run_occlusion(Device& device, const OcclusionCase& c) {
 
 // The results of two queries, copied by the device with every combination of flags.
 void run_copy(Device& device, VkQueryResultFlags flags, VkDeviceSize stride) {
-  const QueryPool pool = create_pool(device, VK_QUERY_TYPE_OCCLUSION, 3);
+  const QueryPool pool = create_query_pool(device, VK_QUERY_TYPE_OCCLUSION, 3);
   const Buffer out = create_buffer(device, 256, kAnyBuffer, 0xEE);
   ImageDesc desc;
   desc.extent = {kSize, kSize, 1};
@@ -122,25 +114,6 @@ void run_copy(Device& device, VkQueryResultFlags flags, VkDeviceSize stride) {
   }
 }
 
-void run_timestamps(Device& device) {
-  const uint32_t bits = device.caps().queue_families[device.queue_family()].timestampValidBits;
-  require(bits != 0, "timestamps");
-  const QueryPool pool = create_pool(device, VK_QUERY_TYPE_TIMESTAMP, 3);
-  device.run([&](VkCommandBuffer commands) {
-    vkCmdResetQueryPool(commands, pool, 0, 3);
-    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, pool, 0);
-    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, pool, 1);
-    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool, 2);
-  });
-  uint64_t times[3] = {};
-  check(vkGetQueryPoolResults(device.handle(), pool, 0, 3, sizeof(times), times, 8,
-                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-        "vkGetQueryPoolResults");
-  expect(times[0] != 0 && times[1] <= times[2], fmt::format("timestamps {}, {}, {}", times[0], times[1], times[2]));
-  if (bits < 64) expect(times[2] >> bits == 0, "bits beyond timestampValidBits");
-  expect(device.limits().timestampPeriod > 0, "timestampPeriod is zero");
-}
-
 // A statistic of a known draw: 2 instances of a strip of 4 vertices that covers 16 x 16 pixels.
 struct Statistic {
   VkQueryPipelineStatisticFlagBits bit;
@@ -158,7 +131,7 @@ constexpr Statistic kStatistics[] = {
 
 void run_statistic(Device& device, const Statistic& statistic) {
   require(device.caps().features.pipelineStatisticsQuery, "pipelineStatisticsQuery");
-  const QueryPool pool = create_pool(device, VK_QUERY_TYPE_PIPELINE_STATISTICS, 1, statistic.bit);
+  const QueryPool pool = create_query_pool(device, VK_QUERY_TYPE_PIPELINE_STATISTICS, 1, statistic.bit);
   ImageDesc desc;
   desc.extent = {kSize, kSize, 1};
   desc.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
@@ -211,7 +184,6 @@ void register_queries() {
                [flags, stride](Device& device) { run_copy(device, flags, stride); });
     }
   }
-  add_case("query_pool", "timestamps.order", "18.5 Timestamp Queries", run_timestamps);
   for (const Statistic& statistic : kStatistics) {
     add_case("query_pool", fmt::format("statistics.{}", statistic.name), "18.4 Pipeline Statistics Queries",
              [&statistic](Device& device) { run_statistic(device, statistic); });

@@ -286,7 +286,7 @@ void run(Device& device, const TextureCase& c, const std::string& name) {
 }
 
 void add(const std::string& group, const std::string& name, const TextureCase& c) {
-  add_case("texture." + group, name, "16 Image Operations: 16.4 to 16.9", [c, name](Device& device) { run(device, c, name); });
+  add_case(group, name, "16 Image Operations: 16.4 to 16.9", [c, name](Device& device) { run(device, c, name); });
 }
 
 SamplerState sampler_state(VkFilter filter, VkSamplerMipmapMode mip, VkSamplerAddressMode address) {
@@ -308,7 +308,7 @@ void register_shapes() {
           c.shape = shape.shape;
           c.state = sampler_state(filter, mip, address.value);
           const char* mip_name = mip == VK_SAMPLER_MIPMAP_MODE_LINEAR ? "mip_linear" : "mip_nearest";
-          add("filtering", fmt::format("{}.{}.{}_{}", shape.name, address.name, filter_name(filter), mip_name), c);
+          add("texture.filtering", fmt::format("{}.{}.{}_{}", shape.name, address.name, filter_name(filter), mip_name), c);
         }
       }
     }
@@ -317,7 +317,7 @@ void register_shapes() {
       c.shape = shape.shape;
       c.stage = stage.stage;
       c.state = sampler_state(VK_FILTER_LINEAR, VK_SAMPLER_MIPMAP_MODE_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT);
-      add("stages", fmt::format("{}.{}", shape.name, stage.name), c);
+      add("texture.stages", fmt::format("{}.{}", shape.name, stage.name), c);
     }
   }
 }
@@ -333,7 +333,7 @@ void register_formats() {
       c.format = format.format;
       c.state = sampler_state(filter, filter == VK_FILTER_LINEAR ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
                               VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT);
-      add("formats", fmt::format("{}.{}", format.name, filter_name(filter)), c);
+      add("texture.formats", fmt::format("{}.{}", format.name, filter_name(filter)), c);
     }
   }
 }
@@ -353,15 +353,15 @@ void register_selection() {
       TextureCase c;
       c.state = sampler_state(VK_FILTER_NEAREST, mip, VK_SAMPLER_ADDRESS_MODE_REPEAT);
       c.state.bias = selection.bias, c.state.min_lod = selection.min_lod, c.state.max_lod = selection.max_lod;
-      add("level_of_detail", fmt::format("{}.{}", selection.name, mip == VK_SAMPLER_MIPMAP_MODE_LINEAR ? "linear" : "nearest"),
-          c);
+      add("texture.level_of_detail",
+          fmt::format("{}.{}", selection.name, mip == VK_SAMPLER_MIPMAP_MODE_LINEAR ? "linear" : "nearest"), c);
     }
   }
   for (const auto& [mag, min] : {std::pair{VK_FILTER_NEAREST, VK_FILTER_LINEAR}, {VK_FILTER_LINEAR, VK_FILTER_NEAREST}}) {
     TextureCase c;
     c.state = sampler_state(mag, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
     c.state.min = min;
-    add("level_of_detail", fmt::format("mag_{}_min_{}", filter_name(mag), filter_name(min)), c);
+    add("texture.level_of_detail", fmt::format("mag_{}_min_{}", filter_name(mag), filter_name(min)), c);
   }
 }
 
@@ -379,7 +379,8 @@ void register_functions() {
           c.shape = shape;
           c.op = f.op;
           c.state = sampler_state(filter, VK_SAMPLER_MIPMAP_MODE_NEAREST, address.value);
-          add("functions", fmt::format("{}.{}.{}.{}", f.name, shape_info(shape).name, address.name, filter_name(filter)), c);
+          add("glsl.texture_functions",
+              fmt::format("{}.{}.{}.{}", f.name, shape_info(shape).name, address.name, filter_name(filter)), c);
         }
       }
     }
@@ -392,7 +393,7 @@ void register_functions() {
           c.op = op;
           c.component = component;
           c.state = sampler_state(VK_FILTER_LINEAR, VK_SAMPLER_MIPMAP_MODE_NEAREST, address.value);
-          add("gather",
+          add("texture.gather",
               fmt::format("{}.{}.{}component_{}", shape_info(shape).name, address.name, op == Op::kGather ? "" : "offset_",
                           component),
               c);
@@ -414,8 +415,8 @@ void register_shadow_and_borders() {
         c.state = sampler_state(filter, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_REPEAT);
         c.state.compare = true;
         c.state.compare_op = static_cast<VkCompareOp>(op);
-        add("shadow", fmt::format("{}.{}.{}", function == Op::kLod ? "lod" : "gather", kCompareNames[op], filter_name(filter)),
-            c);
+        add("texture.shadow",
+            fmt::format("{}.{}.{}", function == Op::kLod ? "lod" : "gather", kCompareNames[op], filter_name(filter)), c);
       }
     }
   }
@@ -440,7 +441,7 @@ void register_shadow_and_borders() {
         c.state = sampler_state(filter, VK_SAMPLER_MIPMAP_MODE_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER);
         c.state.border = border.colour;
         c.border = border.value;
-        add("border", fmt::format("{}.{}.{}", border.name, shape_info(shape).name, filter_name(filter)), c);
+        add("texture.border", fmt::format("{}.{}.{}", border.name, shape_info(shape).name, filter_name(filter)), c);
       }
     }
   }
@@ -449,7 +450,7 @@ void register_shadow_and_borders() {
       TextureCase c;
       c.state = sampler_state(filter, VK_SAMPLER_MIPMAP_MODE_NEAREST, address.value);
       c.state.unnormalized = true;
-      add("unnormalized", fmt::format("{}.{}", address.name, filter_name(filter)), c);
+      add("texture.unnormalized", fmt::format("{}.{}", address.name, filter_name(filter)), c);
     }
   }
 }

@@ -133,4 +133,12 @@ Sampler create_sampler(Device& device, const std::function<void(VkSamplerCreateI
   return make<VkSampler, vkDestroySampler>(device, vkCreateSampler, info, "vkCreateSampler");
 }
 
+QueryPool create_query_pool(Device& device, VkQueryType type, uint32_t count, VkQueryPipelineStatisticFlags statistics) {
+  VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  info.queryType = type;
+  info.queryCount = count;
+  info.pipelineStatistics = statistics;
+  return make<VkQueryPool, vkDestroyQueryPool>(device, vkCreateQueryPool, info, "vkCreateQueryPool");
+}
+
 }  // namespace pineda::cts

@@ -23,7 +23,8 @@ struct Verdict {
 std::string group_of(const std::string& name) {
   const size_t first = name.find('.'), second = name.find('.', first + 1);
   const std::string_view head = std::string_view(name).substr(0, first);
-  const bool two_levels = head == "pipeline" || head == "glsl" || head == "api" || head == "renderpass" || head == "texture";
+  const bool two_levels =
+      head == "pipeline" || head == "glsl" || head == "api" || head == "renderpass" || head == "texture" || head == "wsi";
   return name.substr(0, two_levels ? second : first);
 }
 

@@ -65,6 +65,8 @@ void dispatch(Device& device, const Spirv& shader, const Resources& resources, s
 
 Sampler create_sampler(Device& device, const std::function<void(VkSamplerCreateInfo&)>& adjust = {});
 
+QueryPool create_query_pool(Device& device, VkQueryType type, uint32_t count, VkQueryPipelineStatisticFlags statistics = 0);
+
 struct VertexInput {
   std::vector<VkVertexInputBindingDescription> bindings;
   std::vector<VkVertexInputAttributeDescription> attributes;
