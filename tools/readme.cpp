@@ -131,11 +131,12 @@ std::string extreme_section(const json& report) {
   std::string text = fmt::format(
       "`./run report --extreme`: {} stiff and extreme cases, each with what the specification, exact arithmetic or a published "
       "value "
-      "demands.\n\n| driver | exact | within its bound | wrong |\n|---|---|---|---|\n",
+      "demands.\n\n| driver | exact | within its bound | wrong | not supported |\n|---|---|---|---|---|\n",
       report.at("cases").size());
   for (auto driver = counts.rbegin(); driver != counts.rend(); ++driver) {
     auto& [name, verdicts] = *driver;
-    text += fmt::format("| {} | {} | {} | {} |\n", name, verdicts["exact"], verdicts["within the bound"], verdicts["wrong"]);
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", name, verdicts["exact"], verdicts["within the bound"], verdicts["wrong"],
+                        verdicts["not supported"]);
   }
   for (const auto& [driver, names] : wrong) text += fmt::format("\nWrong in {}: {}.\n", driver, names);
   return text;

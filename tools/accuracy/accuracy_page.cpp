@@ -104,7 +104,8 @@ ul { margin: 10px 0 0; padding-left: 20px; } li { margin: 4px 0; }
         "within 1/256 px of an edge, nor within 10<sup>&minus;6</sup> in depth of another surface. More precision makes it "
         "smaller.</li>"
         "<li>Attachments are R32G32B32A32_SFLOAT, so nothing hides behind 8 bits. Times are medians of a frame, submit to fence, "
-        "all series in turn in one run.</li><li><b>Dominated</b> (hollow, grey): another point is at least as good in both and "
+        "all series in turn, three rounds.</li><li><b>Dominated</b> (hollow, grey): another point is at least as good in both "
+        "and "
         "better by more "
         "than 5 % in one.</li></ul></section>\n");
   }

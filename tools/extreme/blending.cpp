@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <random>
 
@@ -8,86 +9,68 @@
 namespace pineda::tools {
 namespace {
 
-// One component of a format: how its codes are read, and which numbers it can hold.
+enum class Kind { kUnorm, kSnorm, kFloat, kSrgb };
+
+// The red component of a format: how its codes are read, and which numbers it can hold. A template's argument.
 struct Component {
   VkFormat format;
   uint32_t bytes_per_pixel;
-  int fixed_bits = 0;     // UNORM; else
-  int mantissa_bits = 0;  // of a float, the hidden one included
-  bool has_sign = true;
-  bool srgb = false;
+  uint32_t shift_bits;  // of the pixel as a little-endian number
+  int bits;             // floats: of the mantissa, the hidden one included
+  Kind kind;
+  bool has_sign = true;  // floats
 
+  double largest_code() const { return (1 << (kind == Kind::kSnorm ? bits - 1 : bits)) - 1; }
   double decode(const std::byte* pixel) const;
-  double round_down(double value) const;
-  double round_up(double value) const;
-  double nearest(double value) const;
-
- private:
-  double spacing(double value) const {
-    if (fixed_bits) return 1.0 / ((1 << fixed_bits) - 1);
-    int exponent = 0;
-    std::frexp(value, &exponent);
-    const int least = mantissa_bits == 24 ? -149 : 1 - 14 - mantissa_bits;  // binary16 and its unsigned relatives: 2^-14
-    return std::ldexp(1.0, std::max(exponent - mantissa_bits, least));
+  double round_down(double value) const {
+    return round(value, [](double x) { return std::floor(x); });
   }
-  double limit(double value) const { return fixed_bits ? std::clamp(value, 0.0, 1.0) : has_sign ? value : std::max(value, 0.0); }
+  double round_up(double value) const {
+    return round(value, [](double x) { return std::ceil(x); });
+  }
+  double nearest(double value) const {
+    return round(value, [](double x) { return std::nearbyint(x); });
+  }
+
+  template <typename Whole>
+  double round(double value, const Whole& whole) const {
+    if (kind == Kind::kFloat) {
+      int exponent = 0;
+      std::frexp(value, &exponent);
+      const int least = bits == 24 ? -149 : 1 - 14 - bits;  // binary16 and its unsigned relatives: 2^-14
+      const double step = std::ldexp(1.0, std::max(exponent - bits, least)), rounded = whole(value / step) * step;
+      return has_sign ? rounded : std::max(rounded, 0.0);
+    }
+    return std::clamp(whole(value * largest_code()), kind == Kind::kSnorm ? -largest_code() : 0.0, largest_code()) /
+           largest_code();
+  }
 };
 
-double half(uint32_t bits, int mantissa_bits) {  // no sign; mantissa_bits without the hidden one
+double small_float(uint32_t bits, int mantissa_bits) {  // no sign; mantissa_bits without the hidden one
   const int exponent = static_cast<int>(bits >> mantissa_bits);
   const double fraction = static_cast<double>(bits & ((1u << mantissa_bits) - 1)) / (1 << mantissa_bits);
   return exponent == 0 ? std::ldexp(fraction, -14) : std::ldexp(1 + fraction, exponent - 15);
 }
 
-// The first component (red) of a pixel.
+double linear_of_srgb(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
+
 double Component::decode(const std::byte* pixel) const {
   uint32_t word = 0;
   std::memcpy(&word, pixel, std::min<size_t>(bytes_per_pixel, 4));
-  switch (format) {
-    case VK_FORMAT_R5G6B5_UNORM_PACK16:
-      return (word >> 11 & 31) / 31.0;
-    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
-      return (word & 1023) / 1023.0;
-    case VK_FORMAT_R16G16B16A16_UNORM:
-      return (word & 65535) / 65535.0;
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-      return (word & 0x8000 ? -1 : 1) * half(word & 0x7FFF, 10);
-    case VK_FORMAT_B10G11R11_UFLOAT_PACK32:
-      return half(word & 2047, 6);
-    case VK_FORMAT_R32G32B32A32_SFLOAT: {
-      float value;
-      std::memcpy(&value, pixel, sizeof value);
-      return value;
-    }
-    default: {
-      const double code = (word & 255) / 255.0;
-      if (!srgb) return code;
-      return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
-    }
+  word >>= shift_bits;
+  if (kind == Kind::kFloat && bits == 24) return std::bit_cast<float>(word);
+  if (kind == Kind::kFloat && has_sign) return (word & 0x8000 ? -1 : 1) * small_float(word & 0x7FFF, bits - 1);
+  if (kind == Kind::kFloat) return small_float(word & ((32u << (bits - 1)) - 1), bits - 1);  // five bits of exponent
+  const uint32_t code = word & ((1u << bits) - 1);
+  if (kind == Kind::kSnorm) {
+    return std::max((static_cast<int32_t>(code << (32 - bits)) >> (32 - bits)) / largest_code(), -1.0);
   }
+  return kind == Kind::kSrgb ? linear_of_srgb(code / largest_code()) : code / largest_code();
 }
 
-double Component::round_down(double value) const {
-  if (srgb) return value;  // not used
-  const double step = spacing(value);
-  return limit(std::floor(value / step) * step);
-}
-double Component::round_up(double value) const {
-  const double step = spacing(value);
-  return limit(std::ceil(value / step) * step);
-}
-double Component::nearest(double value) const {
-  const double step = spacing(value);
-  return limit(std::nearbyint(value / step) * step);
-}
-
-constexpr Component kR8{VK_FORMAT_R8G8B8A8_UNORM, 4, 8};
-constexpr Component k565{VK_FORMAT_R5G6B5_UNORM_PACK16, 2, 5};
-constexpr Component k1010102{VK_FORMAT_A2B10G10R10_UNORM_PACK32, 4, 10};
-constexpr Component kR16{VK_FORMAT_R16G16B16A16_UNORM, 8, 16};
-constexpr Component kF16{VK_FORMAT_R16G16B16A16_SFLOAT, 8, 0, 11};
-constexpr Component kF11{VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, 0, 7, false};
-constexpr Component kF32{VK_FORMAT_R32G32B32A32_SFLOAT, 16, 0, 24};
+constexpr Component kR8{VK_FORMAT_R8G8B8A8_UNORM, 4, 0, 8, Kind::kUnorm};
+constexpr Component kF16{VK_FORMAT_R16G16B16A16_SFLOAT, 8, 0, 11, Kind::kFloat};
+constexpr Component kF32{VK_FORMAT_R32G32B32A32_SFLOAT, 16, 0, 24, Kind::kFloat};
 
 struct Layer {
   float colour, alpha;
@@ -131,7 +114,6 @@ Outcome judge(const Chain& chain, double nearest, double low, double high, doubl
 
 // 1,000 translucent layers.
 Outcome over_chain(ExtremeRig& rig, const Component& component) {
-  if (!rig.has_format(component.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
   std::mt19937 random(4711);
   std::vector<Layer> layers;
   for (int i = 0; i < 1000; ++i) {
@@ -152,16 +134,8 @@ Outcome over_chain(ExtremeRig& rig, const Component& component) {
   return judge(draw_chain(rig, component, layers, kOver, 0.25f), nearest, low, high, real);
 }
 
-Outcome over_r8(ExtremeRig& rig) { return over_chain(rig, kR8); }
-Outcome over_565(ExtremeRig& rig) { return over_chain(rig, k565); }
-Outcome over_1010102(ExtremeRig& rig) { return over_chain(rig, k1010102); }
-Outcome over_r16(ExtremeRig& rig) { return over_chain(rig, kR16); }
-Outcome over_f16(ExtremeRig& rig) { return over_chain(rig, kF16); }
-Outcome over_f11(ExtremeRig& rig) { return over_chain(rig, kF11); }
-
 // In binary32 each operation rounds: the exact value is that of IEEE 754's operations in the order of the formula.
-Outcome over_f32(ExtremeRig& rig) {
-  if (!rig.has_format(kF32.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
+Outcome over_binary32(ExtremeRig& rig, const Component& component) {
   std::mt19937 random(4711);
   std::vector<Layer> layers;
   for (int i = 0; i < 1000; ++i) {
@@ -176,17 +150,12 @@ Outcome over_f32(ExtremeRig& rig) {
     real = double{layer.colour} * layer.alpha + real * (1 - double{layer.alpha});
     bound = bound * (1 - double{layer.alpha}) + 4 * 0x1p-24;
   }
-  return judge(draw_chain(rig, kF32, layers, kOver, 0.25f), nearest, real - bound, real + bound, real);
+  return judge(draw_chain(rig, component, layers, kOver, 0.25f), nearest, real - bound, real + bound, real);
 }
 
 // sRGB: blended in linear space, stored in codes.
-Outcome over_srgb(ExtremeRig& rig) {
-  constexpr Component kSrgb{VK_FORMAT_R8G8B8A8_SRGB, 4, 8, 0, true, true};
-  if (!rig.has_format(kSrgb.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
-  const auto decode = [](double code) {
-    const double c = code / 255;
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-  };
+Outcome over_srgb(ExtremeRig& rig, const Component& component) {
+  const auto decode = [](double code) { return linear_of_srgb(code / 255); };
   const auto encode = [](double linear) {
     const double c = std::clamp(linear, 0.0, 1.0);
     return 255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055);
@@ -205,12 +174,18 @@ Outcome over_srgb(ExtremeRig& rig) {
     high = std::min(255.0, std::ceil(encode(step(decode(high))) + kTransfer));
     real = step(real);
   }
-  const Chain chain = draw_chain(rig, kSrgb, layers, kOver, 0.25f);
+  const Chain chain = draw_chain(rig, component, layers, kOver, 0.25f);
   return judge(chain, decode(nearest), decode(low) - 1e-12, decode(high) + 1e-12, real);
 }
 
-// ---- accumulation
-// ------------------------------------------------------------------------------------------------------------------
+template <Component kComponent>
+Outcome over(ExtremeRig& rig) {
+  if (!rig.has_format(kComponent.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
+  if (kComponent.kind == Kind::kSrgb) return over_srgb(rig, kComponent);
+  return kComponent.kind == Kind::kFloat && kComponent.bits == 24 ? over_binary32(rig, kComponent) : over_chain(rig, kComponent);
+}
+
+// ---- accumulation ---------------------------------------------------------------------------------------------------------
 
 Outcome accumulate(ExtremeRig& rig, const Component& component, float term, int count, float start) {
   if (!rig.has_format(component.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
@@ -230,32 +205,70 @@ Outcome tenths_f32(ExtremeRig& rig) { return accumulate(rig, kF32, 0.1f, 1000, 0
 Outcome small_on_large_f32(ExtremeRig& rig) { return accumulate(rig, kF32, 0.75f, 1000, 0x1p24f); }
 Outcome saturate_r8(ExtremeRig& rig) { return accumulate(rig, kR8, 0.3f, 1000, 0); }
 
-Outcome cancel_f32(ExtremeRig& rig) {  // (2^24 + 1.5) - 2^24: the 1.5 became 2
-  if (!rig.has_format(kF32.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
-  const Layer layers[] = {{1.5f, 1}, {-0x1p24f, 1}};
-  return judge(draw_chain(rig, kF32, layers, kAdditive, 0x1p24f), 2, 0, 2, 1.5);
+// (start + 1.5) - start, where 1.5 on `start` became 2.
+Outcome cancel(ExtremeRig& rig, const Component& component, float start) {
+  if (!rig.has_format(component.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return {};
+  const Layer layers[] = {{1.5f, 1}, {-start, 1}};
+  return judge(draw_chain(rig, component, layers, kAdditive, start), 2, 0, 2, 1.5);
 }
+Outcome cancel_f16(ExtremeRig& rig) { return cancel(rig, kF16, 2048); }
+Outcome cancel_f32(ExtremeRig& rig) { return cancel(rig, kF32, 0x1p24f); }
 
 constexpr const char* kBlending =
     "Vulkan 1.3, Blending: as with the precision of the attachment's format or more, then converted";
 constexpr const char* kIeee = "IEEE 754 addition; Vulkan 1.3, Blending";
 
+#define PINEDA_LAYERS(format, ...)                                                                                              \
+  {                                                                                                                             \
+    "blending", "1,000 layers in " #format, "Translucent layers, source over destination, as red's codes hold them", kBlending, \
+        over<Component{VK_FORMAT_##format, __VA_ARGS__}>                                                                        \
+  }
 constexpr ExtremeCase kCases[] = {
-    {"blending", "1,000 layers in R8G8B8A8_UNORM", "Translucent layers, source over destination", kBlending, over_r8},
-    {"blending", "1,000 layers in R5G6B5_UNORM", "The same in 5 bits", kBlending, over_565},
-    {"blending", "1,000 layers in A2B10G10R10_UNORM", "The same in 10 bits", kBlending, over_1010102},
-    {"blending", "1,000 layers in R16G16B16A16_UNORM", "The same in 16 bits", kBlending, over_r16},
-    {"blending", "1,000 layers in R8G8B8A8_SRGB", "Blended in linear space, stored in sRGB codes", kBlending, over_srgb},
-    {"blending", "1,000 layers in B10G11R11_UFLOAT", "Floats of 7 bits", kBlending, over_f11},
-    {"blending", "1,000 layers in R16G16B16A16_SFLOAT", "Floats of 11 bits", kBlending, over_f16},
-    {"blending", "1,000 layers in R32G32B32A32_SFLOAT", "Four operations in binary32 for each layer", kBlending, over_f32},
+    PINEDA_LAYERS(R8_UNORM, 1, 0, 8, Kind::kUnorm),
+    PINEDA_LAYERS(R8G8_UNORM, 2, 0, 8, Kind::kUnorm),
+    PINEDA_LAYERS(R8G8B8A8_UNORM, 4, 0, 8, Kind::kUnorm),
+    PINEDA_LAYERS(B8G8R8A8_UNORM, 4, 16, 8, Kind::kUnorm),
+    PINEDA_LAYERS(A8B8G8R8_UNORM_PACK32, 4, 0, 8, Kind::kUnorm),
+    PINEDA_LAYERS(R4G4B4A4_UNORM_PACK16, 2, 12, 4, Kind::kUnorm),
+    PINEDA_LAYERS(B4G4R4A4_UNORM_PACK16, 2, 4, 4, Kind::kUnorm),
+    PINEDA_LAYERS(R5G6B5_UNORM_PACK16, 2, 11, 5, Kind::kUnorm),
+    PINEDA_LAYERS(B5G6R5_UNORM_PACK16, 2, 0, 5, Kind::kUnorm),
+    PINEDA_LAYERS(R5G5B5A1_UNORM_PACK16, 2, 11, 5, Kind::kUnorm),
+    PINEDA_LAYERS(B5G5R5A1_UNORM_PACK16, 2, 1, 5, Kind::kUnorm),
+    PINEDA_LAYERS(A1R5G5B5_UNORM_PACK16, 2, 10, 5, Kind::kUnorm),
+    PINEDA_LAYERS(A2R10G10B10_UNORM_PACK32, 4, 20, 10, Kind::kUnorm),
+    PINEDA_LAYERS(A2B10G10R10_UNORM_PACK32, 4, 0, 10, Kind::kUnorm),
+    PINEDA_LAYERS(R16_UNORM, 2, 0, 16, Kind::kUnorm),
+    PINEDA_LAYERS(R16G16_UNORM, 4, 0, 16, Kind::kUnorm),
+    PINEDA_LAYERS(R16G16B16A16_UNORM, 8, 0, 16, Kind::kUnorm),
+    PINEDA_LAYERS(R8_SNORM, 1, 0, 8, Kind::kSnorm),
+    PINEDA_LAYERS(R8G8_SNORM, 2, 0, 8, Kind::kSnorm),
+    PINEDA_LAYERS(R8G8B8A8_SNORM, 4, 0, 8, Kind::kSnorm),
+    PINEDA_LAYERS(A8B8G8R8_SNORM_PACK32, 4, 0, 8, Kind::kSnorm),
+    PINEDA_LAYERS(R16_SNORM, 2, 0, 16, Kind::kSnorm),
+    PINEDA_LAYERS(R16G16_SNORM, 4, 0, 16, Kind::kSnorm),
+    PINEDA_LAYERS(R16G16B16A16_SNORM, 8, 0, 16, Kind::kSnorm),
+    PINEDA_LAYERS(R8_SRGB, 1, 0, 8, Kind::kSrgb),
+    PINEDA_LAYERS(R8G8_SRGB, 2, 0, 8, Kind::kSrgb),
+    PINEDA_LAYERS(R8G8B8A8_SRGB, 4, 0, 8, Kind::kSrgb),
+    PINEDA_LAYERS(B8G8R8A8_SRGB, 4, 16, 8, Kind::kSrgb),
+    PINEDA_LAYERS(A8B8G8R8_SRGB_PACK32, 4, 0, 8, Kind::kSrgb),
+    PINEDA_LAYERS(B10G11R11_UFLOAT_PACK32, 4, 0, 7, Kind::kFloat, false),
+    PINEDA_LAYERS(R16_SFLOAT, 2, 0, 11, Kind::kFloat),
+    PINEDA_LAYERS(R16G16_SFLOAT, 4, 0, 11, Kind::kFloat),
+    PINEDA_LAYERS(R16G16B16A16_SFLOAT, 8, 0, 11, Kind::kFloat),
+    PINEDA_LAYERS(R32_SFLOAT, 4, 0, 24, Kind::kFloat),
+    PINEDA_LAYERS(R32G32_SFLOAT, 8, 0, 24, Kind::kFloat),
+    PINEDA_LAYERS(R32G32B32A32_SFLOAT, 16, 0, 24, Kind::kFloat),
     {"blending", "3,000 ones in binary16", "The sum stays at 2,048, where 1 is half a unit in the last place", kIeee, ones_f16},
     {"blending", "1,000 tenths in binary16", "Each addition rounds to nearest", kIeee, tenths_f16},
     {"blending", "1,000 tenths in binary32", "The same in binary32", kIeee, tenths_f32},
     {"blending", "0.75 on 2^24, 1,000 times", "Each 0.75 rounds to 0 or 2", kIeee, small_on_large_f32},
-    {"blending", "cancellation", "(2^24 + 1.5) - 2^24 in binary32", kIeee, cancel_f32},
+    {"blending", "cancellation in binary16", "(2,048 + 1.5) - 2,048: 1.5 became 2", kIeee, cancel_f16},
+    {"blending", "cancellation in binary32", "(2^24 + 1.5) - 2^24", kIeee, cancel_f32},
     {"blending", "saturation in UNORM", "1,000 times 0.3 end at 1", kBlending, saturate_r8},
 };
+#undef PINEDA_LAYERS
 
 }  // namespace
 

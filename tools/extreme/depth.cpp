@@ -31,9 +31,9 @@ bool lacks(const ExtremeRig& rig, VkFormat format) {
   return !rig.has_format(format, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT);
 }
 
-VkFormat d24(const ExtremeRig& rig) {
-  return lacks(rig, VK_FORMAT_X8_D24_UNORM_PACK32) ? VK_FORMAT_D24_UNORM_S8_UINT : VK_FORMAT_X8_D24_UNORM_PACK32;
-}
+constexpr VkFormat kD16 = VK_FORMAT_D16_UNORM, kD24 = VK_FORMAT_X8_D24_UNORM_PACK32, kD32 = VK_FORMAT_D32_SFLOAT;
+
+VkFormat d24(const ExtremeRig& rig) { return lacks(rig, kD24) ? VK_FORMAT_D24_UNORM_S8_UINT : kD24; }
 
 // The perspective of near : far = 1 : 10^7 as binary32 gives it to the driver; what the driver gets is what the truth starts
 // from.
@@ -98,10 +98,11 @@ Outcome ordering(ExtremeRig& rig, Depth depth) {
           .bytes = bytes_of(winners)};
 }
 
-Outcome ordering_d16(ExtremeRig& rig) { return ordering(rig, {VK_FORMAT_D16_UNORM, false}); }
-Outcome ordering_d24(ExtremeRig& rig) { return ordering(rig, {d24(rig), false}); }
-Outcome ordering_d32(ExtremeRig& rig) { return ordering(rig, {VK_FORMAT_D32_SFLOAT, false}); }
-Outcome ordering_d32_reversed(ExtremeRig& rig) { return ordering(rig, {VK_FORMAT_D32_SFLOAT, true}); }
+// kD24 stands for the one of its two formats that there is.
+template <VkFormat kFormat, bool kReversed>
+Outcome ordering(ExtremeRig& rig) {
+  return ordering(rig, {kFormat == kD24 ? d24(rig) : kFormat, kReversed});
+}
 
 // Two planes that cross in a line through the middle of the picture, the angle between them small: a picture of z-fighting.
 Outcome crossing(ExtremeRig& rig, Depth depth) {
@@ -146,10 +147,10 @@ Outcome crossing(ExtremeRig& rig, Depth depth) {
           .pictures = {{"red shades: the wrong plane is in front", picture}}};
 }
 
-Outcome crossing_d16(ExtremeRig& rig) { return crossing(rig, {VK_FORMAT_D16_UNORM, false}); }
-Outcome crossing_d24(ExtremeRig& rig) { return crossing(rig, {d24(rig), false}); }
-Outcome crossing_d32(ExtremeRig& rig) { return crossing(rig, {VK_FORMAT_D32_SFLOAT, false}); }
-Outcome crossing_d32_reversed(ExtremeRig& rig) { return crossing(rig, {VK_FORMAT_D32_SFLOAT, true}); }
+template <VkFormat kFormat, bool kReversed>
+Outcome crossing(ExtremeRig& rig) {
+  return crossing(rig, {kFormat == kD24 ? d24(rig) : kFormat, kReversed});
+}
 
 // Two surfaces in one slanted plane, of different triangles, the second with a bias towards the eye. With `on_grid` all vertices
 // are binary fractions of a pixel, so that snapping them to the subpixel grid does not tilt the plane.
@@ -185,16 +186,20 @@ constexpr const char* kOrder =
 constexpr const char* kBias = "Vulkan 1.3, Depth Bias: r is the smallest difference that is resolved throughout";
 
 constexpr ExtremeCase kCases[] = {
-    {"depth", "order in D16", "4,096 pairs of surfaces, near : far = 1 : 10^7", kOrder, ordering_d16},
-    {"depth", "order in D24", "The same in D24", kOrder, ordering_d24},
-    {"depth", "order in D32F", "The same in D32F: no better than D24, as all depths are near 1", kOrder, ordering_d32},
-    {"depth", "order in D32F, reversed", "Depth 1 at near, 0 at far: binary32's exponent makes up for the perspective", kOrder,
-     ordering_d32_reversed},
+    {"depth", "order in D16", "4,096 pairs of surfaces, near : far = 1 : 10^7", kOrder, ordering<kD16, false>},
+    {"depth", "order in D24", "The same in D24", kOrder, ordering<kD24, false>},
+    {"depth", "order in D32F", "The same in D32F: no better than D24, as all depths are near 1", kOrder, ordering<kD32, false>},
+    {"depth", "order in D16, reversed", "Depth 1 at near, 0 at far: in fixed point nothing is won", kOrder, ordering<kD16, true>},
+    {"depth", "order in D24, reversed", "The same in D24", kOrder, ordering<kD24, true>},
+    {"depth", "order in D32F, reversed", "The same in D32F: binary32's exponent makes up for the perspective", kOrder,
+     ordering<kD32, true>},
     {"depth", "z-fighting in D16", "Two planes at 2,000 near distances, tilted by 0.2 %, cross in a straight line", kOrder,
-     crossing_d16},
-    {"depth", "z-fighting in D24", "The same in D24", kOrder, crossing_d24},
-    {"depth", "z-fighting in D32F", "The same in D32F", kOrder, crossing_d32},
-    {"depth", "z-fighting in D32F, reversed", "The same, reversed", kOrder, crossing_d32_reversed},
+     crossing<kD16, false>},
+    {"depth", "z-fighting in D24", "The same in D24", kOrder, crossing<kD24, false>},
+    {"depth", "z-fighting in D32F", "The same in D32F", kOrder, crossing<kD32, false>},
+    {"depth", "z-fighting in D16, reversed", "The same, reversed", kOrder, crossing<kD16, true>},
+    {"depth", "z-fighting in D24, reversed", "The same in D24, reversed", kOrder, crossing<kD24, true>},
+    {"depth", "z-fighting in D32F, reversed", "The same in D32F, reversed", kOrder, crossing<kD32, true>},
     {"depth", "constant bias in D16", "A coplanar surface of other triangles with a bias of -2 r is in front everywhere", kBias,
      bias_d16},
     {"depth", "constant bias in D24", "The same with -4 r, as interpolation in binary32 is no finer than the format", kBias,
