@@ -34,6 +34,7 @@ constexpr FlagRow kFlags[] = {
     {"nooutside", kDebugNoOutside, "batches of triangles that cannot be seen do not leave after their positions (same bits)"},
     {"nomissed", kDebugNoMissed, "small triangles that no sample sees are set up and binned (same bits)"},
     {"nolazy", kDebugNoLazy, "loads and stores of tiles that the pass does not want are done (same bits)"},
+    {"nooverlap", kDebugNoOverlap, "no render pass runs beside another (same bits)"},
     {"nounread", kDebugNoUnread, "vertex outputs that no fragment shader reads are kept (same bits)"},
 };
 

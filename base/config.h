@@ -31,6 +31,7 @@ enum DebugFlag : uint32_t {
   kDebugNoMissed = 1u << 14,        // small triangles that no sample sees are set up and binned
   kDebugNoLazy = 1u << 15,          // loads and stores that the pass does not want are done
   kDebugNoUnread = 1u << 16,        // vertex outputs that no fragment shader reads are computed and stored
+  kDebugNoOverlap = 1u << 18,       // no pass runs beside another
   kDebugHeatMap = 1u << 20,         // a picture of each pass's bins
 };
 

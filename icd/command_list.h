@@ -193,7 +193,9 @@ struct EndQuery {
   QueryPool* pool;
   uint32_t query;
 };
-struct PipelineBarrier {};
+struct PipelineBarrier {
+  VkPipelineStageFlags source_stages;
+};
 struct CopyQueryPoolResults {
   const QueryPool* pool;
   uint32_t first, count;

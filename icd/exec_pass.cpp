@@ -121,6 +121,10 @@ void Executor::begin_subpass() {
     device_.lose("a framebuffer's views have other formats or samples than the attachments of its render pass");
     return;
   }
+  if (begin_->render_pass->waits_for_passes() || begin_->render_pass->subpass_count() != 1 || subpass.view_mask != 0 ||
+      !subpass.cleared_first.empty()) {
+    finish_passes();
+  }
   if (subpass.view_mask == 0) return begin_view(0);
   start_ = SubpassStart{current_, graphics_, compute_, pipeline_, compute_pipeline_, dynamic_, index_};
   view_ordinal_ = 0;
@@ -165,6 +169,7 @@ void Executor::begin_view(uint32_t view) {
   pass_desc_.stencil = stencil_attachment(*begin_, subpass.depth, view);
   pass_desc_.stencil.load = load_of(subpass.depth, &SubpassAttachment::stencil_load);
   pass_.emplace(device_.pool, pass_desc_);
+  if (std::ranges::any_of(waiting_, [&](const WaitingPass& w) { return w.pass.shares_memory(*pass_); })) finish_passes();
   dirty_ |= kPacket | kContext;  // the pipeline is held against the new attachments
 }
 
@@ -191,17 +196,45 @@ bool Executor::begin_next_view() {
   return true;
 }
 
+// Whether the pass in progress may run later. Queries that count it want it to have run when they end.
+bool Executor::may_wait() const {
+  return begin_->render_pass->subpass_count() == 1 && !start_ && !occlusion_.pool && !statistics_.pool && ended_.empty() &&
+         pass_->may_wait();
+}
+
 void Executor::run_pass() {
   const raster::PassStatistics statistics = pass_->end();
   report_statistics(*pass_, statistics);
   if (debug(kDebugExplain)) say_once(explain_pass(pass_desc_, statistics));
   pass_.reset();
+  finish_passes();
   arena_.reset();
   dirty_ |= kContext;  // the last context was in the arena
   finish_queries(statistics);
 }
 
-void Executor::end_subpass() { run_pass(); }
+// Runs the passes that wait.
+void Executor::finish_passes() {
+  if (waiting_.empty()) return;
+  std::vector<raster::Pass*> passes;
+  for (WaitingPass& waiting : waiting_) passes.push_back(&waiting.pass);
+  if (!device_.lost()) raster::Pass::end_together(passes);
+  for (const WaitingPass& waiting : waiting_) {
+    report_statistics(waiting.pass, waiting.pass.statistics());
+    if (debug(kDebugExplain)) say_once(explain_pass(waiting.desc, waiting.pass.statistics()));
+  }
+  waiting_.clear();
+  if (pass_) return;  // its contexts are in the arena too
+  arena_.reset();
+  dirty_ |= kPacket | kContext;
+}
+
+void Executor::end_subpass() {
+  if (!may_wait()) return run_pass();
+  waiting_.push_back({std::move(*pass_), pass_desc_});
+  pass_.reset();
+  if (begin_->render_pass->awaited_by_passes() || waiting_.size() == kMaxWaiting) finish_passes();
+}
 
 // Runs what the subpass has so far, so that what follows finds it in memory. Attachments keep their precision, so no bit shows.
 void Executor::split_subpass(uint32_t samples) {
@@ -276,8 +309,10 @@ void Executor::execute(const cmd::ClearAttachments& command) {
   }
 }
 
-// Inside a subpass a barrier is there for input attachments that are drawn to as well: what was drawn must be in memory.
-void Executor::execute(const cmd::PipelineBarrier&) {
+// Inside a subpass a barrier is there for input attachments that are drawn to as well: what was drawn must be in memory. Outside
+// it may order render passes, unless nothing is before it: TOP_OF_PIPE is no stage of theirs.
+void Executor::execute(const cmd::PipelineBarrier& command) {
+  if (!pass_ && (command.source_stages & ~VkPipelineStageFlags(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT)) != 0) finish_passes();
   if (pass_ && begin_->render_pass->subpass(subpass_).reads_own_output) split_subpass(pass_desc_.samples);
 }
 

@@ -10,6 +10,50 @@
 
 namespace pineda::icd {
 
+namespace {
+
+// Whether a command neither sees nor changes what render passes before it may still have to do. Those of render passes decide on
+// their own (exec_pass.cpp).
+bool lets_passes_wait(CommandType type) {
+  switch (type) {
+    case CommandType::kBindPipeline:
+    case CommandType::kSetViewport:
+    case CommandType::kSetScissor:
+    case CommandType::kSetLineWidth:
+    case CommandType::kSetLineStippleEXT:
+    case CommandType::kSetDepthBias:
+    case CommandType::kSetBlendConstants:
+    case CommandType::kSetDepthBounds:
+    case CommandType::kSetStencilCompareMask:
+    case CommandType::kSetStencilWriteMask:
+    case CommandType::kSetStencilReference:
+    case CommandType::kBindDescriptorSets:
+    case CommandType::kBindIndexBuffer:
+    case CommandType::kBindVertexBuffers:
+    case CommandType::kPushConstants:
+    case CommandType::kDraw:
+    case CommandType::kDrawIndexed:
+    case CommandType::kDrawIndirect:
+    case CommandType::kDrawIndexedIndirect:
+    case CommandType::kDrawIndirectCountKHR:
+    case CommandType::kDrawIndexedIndirectCountKHR:
+    case CommandType::kClearAttachments:
+    case CommandType::kPipelineBarrier:
+    case CommandType::kBeginRenderPass:
+    case CommandType::kNextSubpass:
+    case CommandType::kEndRenderPass:
+    case CommandType::kExecuteCommands:
+    case CommandType::kBeginDebugUtilsLabelEXT:
+    case CommandType::kEndDebugUtilsLabelEXT:
+    case CommandType::kInsertDebugUtilsLabelEXT:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 Executor::Executor(Device& device) : device_(device), arena_(device.allocator, VK_SYSTEM_ALLOCATION_SCOPE_DEVICE) {
   reset_state();
 }
@@ -54,6 +98,7 @@ void Executor::run(const CommandBuffer& command_buffer) {
   occlusion_ = statistics_ = {};
   walk(command_buffer);
   if (pass_) end_subpass();  // a primary that lacks vkCmdEndRenderPass is invalid, but its draws point into the arena
+  finish_passes();
   labels_.clear();
 }
 
@@ -72,6 +117,7 @@ void Executor::walk(const CommandBuffer& command_buffer) {
 }
 
 void Executor::execute(const CommandHeader& header) {
+  if (!waiting_.empty() && !lets_passes_wait(header.type)) finish_passes();
   switch (header.type) {
 #define PINEDA_COMMAND(name) \
   case CommandType::k##name: \
@@ -82,6 +128,7 @@ void Executor::execute(const CommandHeader& header) {
 
 void Executor::abandon() {
   pass_.reset();
+  waiting_.clear();
   start_.reset();
   replay_from_ = nullptr;
   begin_ = nullptr;

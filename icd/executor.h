@@ -64,6 +64,8 @@ class Executor {
   bool begin_next_view();
   VkAttachmentLoadOp load_of(const SubpassAttachment& use, VkAttachmentLoadOp SubpassAttachment::*load) const;
   void run_pass();
+  bool may_wait() const;
+  void finish_passes();
   void end_subpass();
   void split_subpass(uint32_t samples);
   void clear_first(const SubpassAttachment& use);
@@ -130,6 +132,15 @@ class Executor {
   std::map<std::pair<VkFormat, uint32_t>, compiler::KernelPtr> resolve_kernels_;  // by format and samples
   raster::PassDesc pass_desc_;
   std::optional<raster::Pass> pass_;
+
+  // Render passes that have ended as commands and have not run. None depends on another, so they will run beside each other, as
+  // soon as a command comes that could tell. Their contexts are in the arena.
+  struct WaitingPass {
+    raster::Pass pass;
+    raster::PassDesc desc;
+  };
+  static constexpr size_t kMaxWaiting = 64;
+  std::vector<WaitingPass> waiting_;
 
   // Queries that are active; those that have ended and wait for the pass in progress.
   struct ActiveQuery {

@@ -8,12 +8,12 @@
 namespace pineda::icd {
 
 // Commands execute one after another and memory is coherent: every dependency holds without a command, but for what a render pass
-// keeps in tiles.
-void api::CmdPipelineBarrier(VkCommandBuffer handle, VkPipelineStageFlags, VkPipelineStageFlags, VkDependencyFlags, uint32_t,
-                             const VkMemoryBarrier*, uint32_t, const VkBufferMemoryBarrier*, uint32_t,
+// keeps in tiles, and for render passes that wait to run beside others.
+void api::CmdPipelineBarrier(VkCommandBuffer handle, VkPipelineStageFlags source_stages, VkPipelineStageFlags, VkDependencyFlags,
+                             uint32_t, const VkMemoryBarrier*, uint32_t, const VkBufferMemoryBarrier*, uint32_t,
                              const VkImageMemoryBarrier*) {
   CommandBuffer& cb = *from(handle);
-  cb.record([&] { cb.append(cmd::PipelineBarrier{}); });
+  cb.record([&] { cb.append(cmd::PipelineBarrier{source_stages}); });
 }
 
 void api::CmdSetEvent(VkCommandBuffer handle, VkEvent event, VkPipelineStageFlags) {

@@ -140,6 +140,40 @@ RenderPass::RenderPass(const Allocator& from, Device&, const VkRenderPassCreateI
     add_resolves(description, subpass);
   }
   for (uint32_t index = 0; index < info.attachmentCount; ++index) set_operations(info, index);
+  set_order(info);
+}
+
+// Render passes run beside each other only where their attachments lie in different memory. So of the dependencies on commands
+// outside those between attachments always hold; those with other commands hold because these run alone, but may be one half of a
+// chain: "render pass -> transfer" and "transfer -> fragment shader" order two render passes. Hence the lists below: a dependency
+// counts unless, with every one that could continue it, it leaves no more than attachments after attachments.
+void RenderPass::set_order(const VkRenderPassCreateInfo2& info) {
+  constexpr VkPipelineStageFlags kAttachments = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                                VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                                VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+  constexpr VkPipelineStageFlags kAlone = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_HOST_BIT;
+  const auto only = [](VkPipelineStageFlags stages, VkPipelineStageFlags of) { return (stages & ~of) == 0; };
+  for (uint32_t i = 0; i < info.dependencyCount; ++i) {
+    const VkSubpassDependency2& d = info.pDependencies[i];
+    if (d.srcSubpass == VK_SUBPASS_EXTERNAL) {
+      const bool nothing = only(d.srcStageMask, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
+      const bool attachments =
+          only(d.srcStageMask, kAttachments | kAlone | VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT) && only(d.dstStageMask, kAttachments);
+      waits_for_passes_ |= !nothing && !attachments;
+    }
+    if (d.dstSubpass == VK_SUBPASS_EXTERNAL) {
+      const bool nothing = only(d.dstStageMask, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT);
+      const bool attachments = only(d.srcStageMask, kAttachments) &&
+                               only(d.dstStageMask, kAttachments | kAlone | VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT);
+      awaited_by_passes_ |= !nothing && !attachments;
+    }
+  }
+  // An application that leaves an image ready to be sampled is likely to do so, even if it says no more than this.
+  for (uint32_t i = 0; i < info.attachmentCount; ++i) {
+    const VkImageLayout layout = info.pAttachments[i].finalLayout;
+    awaited_by_passes_ |= layout == VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL || layout == VK_IMAGE_LAYOUT_GENERAL ||
+                          layout == VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
+  }
 }
 
 // The attachment's first use loads, its last one stores. A resolve replaces everything in the render area, so it loads nothing,

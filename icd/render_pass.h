@@ -41,12 +41,17 @@ class RenderPass : public Object {
   uint32_t attachment_count() const { return attachment_count_; }
   uint32_t subpass_count() const { return static_cast<uint32_t>(subpasses_.size()); }
   const Subpass& subpass(uint32_t index) const { return subpasses_[index]; }
+  // Of what its dependencies and layouts say of render passes before and after it; other commands never run beside one.
+  bool waits_for_passes() const { return waits_for_passes_; }    // earlier ones must have ended, whatever they draw to
+  bool awaited_by_passes() const { return awaited_by_passes_; }  // it must have ended before a later one begins
 
  private:
+  void set_order(const VkRenderPassCreateInfo2& info);
   void set_operations(const VkRenderPassCreateInfo2& info, uint32_t index);
 
   uint32_t attachment_count_;
   HostVector<Subpass> subpasses_;
+  bool waits_for_passes_ = false, awaited_by_passes_ = false;
 };
 
 }  // namespace pineda::icd

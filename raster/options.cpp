@@ -17,6 +17,7 @@ Options default_options() {
   options.outside_batches = !debug(kDebugNoOutside);
   options.missed_triangles = !debug(kDebugNoMissed);
   options.lazy_memory = !debug(kDebugNoLazy);
+  options.overlap = !debug(kDebugNoOverlap);
   options.timing = options.per_draw = debug(kDebugStats) || !config().stats_file.empty();
   options.heat_map = debug(kDebugHeatMap);
   options.isa = isa_from_name(config().isa);

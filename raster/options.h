@@ -21,6 +21,7 @@ struct Options {
   bool outside_batches = true;                 // triangles of a batch that cannot be seen leave after their positions
   bool missed_triangles = true;                // small triangles that no sample sees are not set up
   bool lazy_memory = true;                     // loads and stores that the pass does not want are left out
+  bool overlap = true;                         // short passes wait, to run beside others
   size_t bin_budget_bytes = size_t{96} << 20;  // geometry kept between flushes
   uint32_t chunk_prims = 4096;                 // primitives that one geometry job takes
   size_t max_chunk_entries = 1 << 20;          // bin entries after which a chunk is cut: 4 MiB

@@ -91,16 +91,16 @@ HiZMode hi_z_mode(const DrawPacket& packet) {
 }  // namespace
 
 Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options& options)
-    : pool(thread_pool), workspace(thread_pool.workspaces().acquire(thread_pool.threads())) {
+    : pool(thread_pool), store(thread_pool.workspaces()), workspace(store.acquire()) {
   scene.options = options;
   scene.color_count = std::min(desc.color_count, kMaxColorAttachments);
   scene.grid.samples = desc.samples;
-  uint32_t bytes_per_px = 0;
   const auto attach = [&](uint32_t slot, const Attachment& from) {
     scene.attachments[slot] = make_attachment(from, pack_clear(from.format, from.clear));
     if (!options.lazy_memory && from.store == VK_ATTACHMENT_STORE_OP_DONT_CARE)
       scene.attachments[slot].store = scene.attachments[slot].address != nullptr;
     bytes_per_px += scene.attachments[slot].texel_bytes * desc.samples;
+    add_ranges(from, desc);
   };
   for (uint32_t i = 0; i < scene.color_count; ++i) attach(i, desc.color[i]);
   attach(Scene::kDepthSlot, desc.depth);
@@ -109,17 +109,34 @@ Pass::State::State(ThreadPool& thread_pool, const PassDesc& desc, const Options&
   TileGrid& grid = scene.grid;
   grid.area = intersect(to_rect(desc.render_area), {0, 0, extent(desc.extent.width), extent(desc.extent.height)});
   if (grid.area.empty()) grid.area = {};
-  const uint32_t tile_px = choose_tile_px(options, bytes_per_px, grid.area, thread_pool.threads());
+  scene.layers = std::max(1u, desc.layers);
+  grid.layers = bytes_per_px != 0 ? scene.layers : 1;
+  scene.tiles.swap(workspace->tiles);
+  choose_tiles(pool.threads());
+}
+
+// Before anything has run.
+void Pass::State::choose_tiles(uint32_t threads) {
+  TileGrid& grid = scene.grid;
+  const uint32_t tile_px = choose_tile_px(scene.options, bytes_per_px, grid.area, threads);
   grid.tile_px = static_cast<int32_t>(tile_px);
   grid.shift = static_cast<uint32_t>(__builtin_ctz(tile_px));
   grid.columns = (static_cast<uint32_t>(grid.area.x1) + tile_px - 1) / tile_px;
   grid.rows = (static_cast<uint32_t>(grid.area.y1) + tile_px - 1) / tile_px;
-  scene.layers = std::max(1u, desc.layers);
-  grid.layers = bytes_per_px != 0 ? scene.layers : 1;
-  scene.tiles.swap(workspace->tiles);
   if (scene.tiles.size() < grid.count())
     scene.tiles.resize(grid.count());  // those that were there are empty and keep their memory
   for (uint32_t i = 0; i < grid.count(); ++i) scene.tiles[i].in_memory = false;
+}
+
+void Pass::State::add_ranges(const Attachment& a, const PassDesc& desc) {
+  const auto add = [&](const uint8_t* address, size_t row_pitch, size_t layer_pitch, size_t sample_pitch) {
+    if (!address) return;
+    attachment_ranges.push_back({address, address + row_pitch * desc.extent.height +
+                                              layer_pitch * (std::max(1u, desc.layers) - 1) +
+                                              sample_pitch * (std::max(1u, desc.samples) - 1)});
+  };
+  add(a.address, a.row_pitch_bytes, a.layer_pitch_bytes, a.sample_pitch_bytes);
+  add(a.resolve_address, a.resolve_row_pitch_bytes, a.resolve_layer_pitch_bytes, 0);
 }
 
 void Pass::State::record(const DrawPacket& packet) {
@@ -149,6 +166,7 @@ void Pass::State::record(const DrawPacket& packet) {
   if (vertices < topology.vertices || packet.instance_count == 0 ||
       (rect.empty() && !packet.viewports && !packet.has_side_effects))
     return;
+  has_effects |= packet.has_side_effects || packet.samples_passed;
   Draw& draw = workspace->draws.append();
   draw.packet = packet;
   draw.packet.count = static_cast<uint32_t>(vertices);
@@ -201,6 +219,8 @@ Pass::Pass(ThreadPool& pool, const PassDesc& desc) : Pass(pool, desc, default_op
 Pass::Pass(ThreadPool& pool, const PassDesc& desc, const Options& options)
     : state_(std::make_unique<State>(pool, desc, options)) {}
 Pass::~Pass() = default;
+Pass::Pass(Pass&&) noexcept = default;
+Pass& Pass::operator=(Pass&&) noexcept = default;
 
 void Pass::draw(const DrawPacket& packet) {
   ++state_->statistics.draws;
@@ -209,7 +229,7 @@ void Pass::draw(const DrawPacket& packet) {
     return;
   }
   state_->record(packet);
-  if (state_->workspace->draws.size() >= kMaxRecordedDraws) state_->run_recorded(false);
+  if (state_->workspace->draws.size() >= kMaxRecordedDraws) state_->run_recorded(false, state_->everybody());
 }
 
 void Pass::clear(uint32_t color_index, const VkClearValue& value, std::span<const VkRect2D> rects, uint32_t first_layer,
@@ -264,9 +284,10 @@ Pass::HeatMap Pass::heat_map() const {
 }
 
 PassStatistics Pass::end() {
-  State& s = *state_;
-  s.run_recorded(true);
-  return s.statistics;
+  state_->run_recorded(true, state_->everybody());
+  return state_->statistics;
 }
+
+const PassStatistics& Pass::statistics() const { return state_->statistics; }
 
 }  // namespace pineda::raster

@@ -102,6 +102,80 @@ TEST(Pass, NothingButTheSceneDecidesTheBits) {
   }
 }
 
+// Passes that run beside each other, each on one thread, against each on its own: pictures and statistics.
+TEST(Pass, TogetherTheyDrawWhatTheyDrawAlone) {
+  constexpr uint32_t kPasses = 9, kSize = 120;
+  for (const uint32_t threads : {1u, 2u, 5u}) {
+    std::vector<RandomScene> scenes;
+    std::vector<Target> alone, together;
+    for (uint32_t i = 0; i < kPasses; ++i) {
+      scenes.emplace_back(40 + i, 1 + i % 3, 100 + 70 * i, VK_COMPARE_OP_LESS);
+      alone.emplace_back(kSize, kSize);
+      together.emplace_back(kSize, kSize);
+    }
+    ThreadPool pool(threads);
+    std::vector<PassStatistics> expected;
+    std::vector<Pass> passes;
+    for (uint32_t i = 0; i < kPasses; ++i) {
+      Pass one(pool, alone[i].desc(true), test_options());
+      passes.emplace_back(pool, together[i].desc(true), test_options());
+      for (const auto& draw : scenes[i].draws) {
+        one.draw(draw->packet(kSize, kSize));
+        passes[i].draw(draw->packet(kSize, kSize));
+      }
+      EXPECT_EQ(passes[i].may_wait(), threads > 1);
+      EXPECT_FALSE(passes[i].shares_memory(one));
+      expected.push_back(one.end());
+    }
+    std::vector<Pass*> pointers;
+    for (Pass& pass : passes) pointers.push_back(&pass);
+    Pass::end_together(pointers);
+    for (uint32_t i = 0; i < kPasses; ++i) {
+      ASSERT_TRUE(together[i].color == alone[i].color) << i << " of " << threads << " threads";
+      ASSERT_TRUE(together[i].depth == alone[i].depth) << i << " of " << threads << " threads";
+      const PassStatistics& s = passes[i].statistics();
+      EXPECT_EQ(s.overlapped, 1u);
+      EXPECT_EQ(s.vertices_shaded, expected[i].vertices_shaded);
+      EXPECT_EQ(s.triangles_culled, expected[i].triangles_culled);
+      EXPECT_EQ(s.bytes_stored, expected[i].bytes_stored);
+    }
+  }
+}
+
+TEST(Pass, WaitsOnlyWhenItIsShortAndChangesNothingElse) {
+  ThreadPool pool(2);
+  Target small(64, 64), large(300, 300);
+  TestDraw draw(4, count_kernel);
+  draw.add({-1, -1, 0, 1});
+  draw.add({3, -1, 0, 1});
+  draw.add({-1, 3, 0, 1});
+  const auto may_wait = [&](const PassDesc& desc, const DrawPacket& packet, bool overlap = true) {
+    Options options = test_options();
+    options.overlap = overlap;
+    Pass pass(pool, desc, options);
+    pass.draw(packet);
+    return pass.may_wait();
+  };
+  DrawPacket packet = draw.packet(64, 64);
+  EXPECT_TRUE(may_wait(small.desc(), packet));
+  EXPECT_FALSE(may_wait(small.desc(), packet, false));
+  EXPECT_FALSE(may_wait(large.desc(), packet));
+  packet.has_side_effects = true;
+  EXPECT_FALSE(may_wait(small.desc(), packet));
+  packet.has_side_effects = false;
+  std::atomic<uint64_t> counter = 0;
+  packet.samples_passed = &counter;
+  EXPECT_FALSE(may_wait(small.desc(), packet));
+
+  // One attachment's last row is the other's first.
+  Pass upper(pool, small.desc(), test_options());
+  PassDesc shifted = small.desc();
+  shifted.color[0].address += size_t{63} * shifted.color[0].row_pitch_bytes;
+  EXPECT_TRUE(Pass(pool, shifted, test_options()).shares_memory(upper));
+  shifted.color[0].address += shifted.color[0].row_pitch_bytes;
+  EXPECT_FALSE(Pass(pool, shifted, test_options()).shares_memory(upper));
+}
+
 // Each omission alone, and nothing left out at all.
 TEST(Pass, EachOmissionAloneChangesNoBit) {
   RandomScene scene(7, 5, 400, VK_COMPARE_OP_LESS);

@@ -141,6 +141,8 @@ class Pass {
   Pass(ThreadPool& pool, const PassDesc& desc);
   Pass(ThreadPool& pool, const PassDesc& desc, const Options& options);  // for tests; the other takes them from the environment
   ~Pass();
+  Pass(Pass&&) noexcept;
+  Pass& operator=(Pass&&) noexcept;
   // Appends a draw; geometry may start at once or later. The packet is copied, what it points to is not.
   void draw(const DrawPacket& packet);
   // vkCmdClearAttachments: rectangles of some layers of one attachment, in order with the draws: color_index, kDepth or kStencil.
@@ -151,6 +153,14 @@ class Pass {
   void keep_in_memory();
   // Runs what is pending; attachments are in memory afterwards.
   PassStatistics end();
+  // Whether end() may come later, beside that of other passes: the pass is short, so that one thread does it as fast as several,
+  // and changes nothing but its attachments.
+  bool may_wait() const;
+  // Whether one of the passes has an attachment in memory that belongs to an attachment of the other.
+  bool shares_memory(const Pass& other) const;
+  // end() of passes of one pool that do not depend on each other, each on one thread.
+  static void end_together(std::span<Pass* const> passes);
+  const PassStatistics& statistics() const;  // what end() returns
   // After end(), if Options asked for them: each draw that was recorded; bin entries of each tile, row by row.
   std::vector<DrawStatistics> draw_statistics() const;
   std::vector<ThreadTimes> thread_times() const;  // of each thread

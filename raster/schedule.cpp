@@ -42,20 +42,14 @@ uint64_t total_prims(const Draw& draw) { return draw.prims_per_instance * draw.p
 Pass::State::~State() {
   scene.clear_lists();
   scene.tiles.swap(workspace->tiles);
-  for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
-  pool.workspaces().release(std::move(workspace));
+  for (std::unique_ptr<Chunk>& chunk : committed) store.give_back(std::move(chunk));
+  store.release(std::move(workspace));
+  store.trim();
 }
 
-GeometryWorker& Pass::State::geometry_worker(uint32_t thread) {
-  std::unique_ptr<GeometryWorker>& worker = workspace->geometry[thread];
-  if (!worker) worker = std::make_unique<GeometryWorker>();
-  return *worker;
-}
-
-TileWorker& Pass::State::tile_worker(uint32_t thread) {
-  std::unique_ptr<TileWorker>& worker = workspace->tile[thread];
-  if (!worker) worker = std::make_unique<TileWorker>();
-  return *worker;
+void Pass::State::for_each(uint32_t count, const std::function<void(uint32_t, uint32_t)>& body, bool helpers) {
+  if (!crew.alone) return pool.parallel_for(count, body, helpers);
+  for (uint32_t i = 0; i < count; ++i) body(i, crew.first);
 }
 
 // Primitives of a geometry job: enough jobs for all threads, few enough for long bin segments.
@@ -95,13 +89,13 @@ void Pass::State::plan_window(Cursor& cursor, std::vector<Job>& jobs) {
 void Pass::State::run_window(std::vector<Job>& jobs) {
   uint64_t prims = 0;
   for (Job& job : jobs) {
-    job.chunk = workspace->take_chunk();
+    job.chunk = store.take_chunk();
     prims += job.prims;
   }
-  pool.parallel_for(
+  for_each(
       static_cast<uint32_t>(jobs.size()),
       [&](uint32_t i, uint32_t thread) {
-        GeometryWorker& worker = geometry_worker(thread);
+        GeometryWorker& worker = store.geometry(thread);
         timed(scene.options, "geometry", worker.statistics.geometry_ns,
               [&] { jobs[i].done = worker.run(scene.grid, jobs[i].ranges, scene.options, *jobs[i].chunk); });
       },
@@ -121,9 +115,9 @@ void Pass::State::finish_job(Job& job) {
       skip -= drop;
       if (drop < range.count) rest.push_back({range.draw, range.first + drop, static_cast<uint32_t>(range.count - drop)});
     }
-    std::unique_ptr<Chunk> chunk = workspace->take_chunk();
-    pool.parallel_for(
-        1, [&](uint32_t, uint32_t thread) { job.done += geometry_worker(thread).run(scene.grid, rest, scene.options, *chunk); },
+    std::unique_ptr<Chunk> chunk = store.take_chunk();
+    for_each(
+        1, [&](uint32_t, uint32_t thread) { job.done += store.geometry(thread).run(scene.grid, rest, scene.options, *chunk); },
         false);
     commit(std::move(chunk));
   }
@@ -158,10 +152,10 @@ void Pass::State::flush(bool last) {
   const uint64_t tile_pixels = uint64_t{scene.grid.tile_px * 1u} * static_cast<uint32_t>(scene.grid.tile_px);
   const bool helpers =
       (draw_jobs + fill_jobs) > 1 && (touched.size() * tile_pixels > kSerialPixels || entries > kSerialEntries || fill_jobs > 4);
-  pool.parallel_for(
+  for_each(
       draw_jobs + fill_jobs,
       [&](uint32_t i, uint32_t thread) {
-        TileWorker& worker = tile_worker(thread);
+        TileWorker& worker = store.tile(thread);
         if (i < draw_jobs) {
           timed(scene.options, "tile", worker.statistics.tiles_ns,
                 [&] { worker.run(scene, touched[i], scene.tiles[touched[i]]); });
@@ -173,12 +167,13 @@ void Pass::State::flush(bool last) {
       helpers);
   if (!touched.empty()) ++statistics.flushes;
   scene.clear_lists();
-  for (std::unique_ptr<Chunk>& chunk : committed) workspace->give_back(std::move(chunk));
+  for (std::unique_ptr<Chunk>& chunk : committed) store.give_back(std::move(chunk));
   committed.clear();
   committed_bytes = 0;
 }
 
-void Pass::State::run_recorded(bool last) {
+void Pass::State::run_recorded(bool last, Crew by) {
+  crew = by;
   Cursor cursor;
   std::vector<Job> jobs;
   while (cursor.draw < workspace->draws.size()) {
@@ -191,16 +186,50 @@ void Pass::State::run_recorded(bool last) {
   workspace->draws.clear();
   recorded_prims = 0;
   thread_times.resize(pool.threads());
-  for (uint32_t t = 0; t < pool.threads(); ++t) {
-    if (const auto& worker = workspace->geometry[t]) {
-      thread_times[t].geometry_ns += worker->statistics.geometry_ns;
-      add_statistics(statistics, std::exchange(worker->statistics, {}));
-    }
-    if (const auto& worker = workspace->tile[t]) {
-      thread_times[t].tiles_ns += worker->statistics.tiles_ns;
-      add_statistics(statistics, std::exchange(worker->statistics, {}));
+  for (uint32_t t = crew.first; t < crew.end; ++t) take_statistics(t);
+}
+
+// What a thread has counted since it was asked last is this pass's.
+void Pass::State::take_statistics(uint32_t thread) {
+  if (GeometryWorker* worker = store.find_geometry(thread)) {
+    thread_times[thread].geometry_ns += worker->statistics.geometry_ns;
+    add_statistics(statistics, std::exchange(worker->statistics, {}));
+  }
+  if (TileWorker* worker = store.find_tile(thread)) {
+    thread_times[thread].tiles_ns += worker->statistics.tiles_ns;
+    add_statistics(statistics, std::exchange(worker->statistics, {}));
+  }
+}
+
+// ---- passes beside each other -------------------------------------------------------------------------------------------------
+
+bool Pass::may_wait() const {
+  constexpr uint64_t kMostPixels = 256 * 256, kMostPrims = 16384;
+  const State& s = *state_;
+  if (!s.scene.options.overlap || s.pool.threads() == 1 || s.has_effects || s.statistics.flushes != 0) return false;
+  const TileGrid& grid = s.scene.grid;
+  const uint64_t pixels = uint64_t(grid.area.x1 - grid.area.x0) * uint64_t(grid.area.y1 - grid.area.y0) * grid.layers;
+  return pixels * s.scene.samples() <= kMostPixels && s.recorded_prims <= kMostPrims;
+}
+
+bool Pass::shares_memory(const Pass& other) const {
+  for (const State::Range& a : state_->attachment_ranges) {
+    for (const State::Range& b : other.state_->attachment_ranges) {
+      if (a.begin < b.end && b.begin < a.end) return true;
     }
   }
+  return false;
+}
+
+void Pass::end_together(std::span<Pass* const> passes) {
+  if (passes.size() == 1) passes[0]->end();
+  if (passes.size() < 2) return;
+  passes[0]->state_->pool.parallel_for(static_cast<uint32_t>(passes.size()), [&](uint32_t i, uint32_t thread) {
+    State& s = *passes[i]->state_;
+    s.choose_tiles(1);
+    s.run_recorded(true, {thread, thread + 1, true});
+    s.statistics.overlapped = 1;
+  });
 }
 
 }  // namespace pineda::raster

@@ -66,7 +66,7 @@ struct ThreadPool::State {
   std::atomic<uint32_t> sleepers{0};
   std::atomic<bool> stop{false};
 
-  explicit State(uint32_t thread_count) : threads(std::max(1u, thread_count)) {}
+  explicit State(uint32_t thread_count) : threads(std::max(1u, thread_count)), workspaces(threads) {}
 
   void start_workers() {
     if (!workers.empty() || threads == 1) return;

@@ -31,25 +31,34 @@ class DrawList {
 };
 
 struct Workspace {
-  std::vector<std::unique_ptr<GeometryWorker>> geometry;  // by thread; made on first use
-  std::vector<std::unique_ptr<TileWorker>> tile;
-  std::vector<std::unique_ptr<Chunk>> free_chunks;
   DrawList draws;
   std::vector<TileState> tiles;
-
-  std::unique_ptr<Chunk> take_chunk();
-  void give_back(std::unique_ptr<Chunk> chunk);
 };
 
-// What a thread pool's passes leave for the next one; thread-safe. Lives as long as the pool, so the memory goes with the device.
+// What a thread pool's passes leave for the next one. Lives as long as the pool, so the memory goes with the device. Thread-safe;
+// a thread's workers belong to whoever runs as that thread of the pool.
 class WorkspaceStore {
  public:
-  std::unique_ptr<Workspace> acquire(uint32_t threads);
+  explicit WorkspaceStore(uint32_t threads) : geometry_(threads), tile_(threads) {}
+
+  GeometryWorker& geometry(uint32_t thread);  // made on first use
+  TileWorker& tile(uint32_t thread);
+  // Null when it never worked.
+  GeometryWorker* find_geometry(uint32_t thread) { return geometry_[thread].get(); }
+  TileWorker* find_tile(uint32_t thread) { return tile_[thread].get(); }
+
+  std::unique_ptr<Workspace> acquire();
   void release(std::unique_ptr<Workspace> workspace);
+  std::unique_ptr<Chunk> take_chunk();
+  void give_back(std::unique_ptr<Chunk> chunk);
+  void trim();  // gives memory of chunks back when it is more than the next pass is likely to want
 
  private:
-  std::mutex mutex_;
+  std::vector<std::unique_ptr<GeometryWorker>> geometry_;
+  std::vector<std::unique_ptr<TileWorker>> tile_;
+  std::mutex mutex_;  // guards what follows
   std::vector<std::unique_ptr<Workspace>> kept_;
+  std::vector<std::unique_ptr<Chunk>> free_chunks_;
 };
 
 }  // namespace pineda::raster

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -72,6 +73,22 @@ TEST(BitContract, OmissionsDoNotShow) {
   const ProcessResult result =
       run_process("PINEDA_DEBUG=nohiz,nofastclear,noopaque,noequal,nooutside,nomissed,nolazy,nounread " + kGolden);
   EXPECT_EQ(result.exit_status, 0) << result.output;
+}
+
+// Nor does it show that passes ran beside each other, which they do when they may.
+TEST(BitContract, PassesBesideEachOtherDoNotShow) {
+  const auto render = [](const std::string& environment, bool overlaps) {
+    const std::string statistics = testing::TempDir() + "overlap.json";
+    std::remove(statistics.c_str());
+    const ProcessResult result = run_process("PINEDA_THREADS=2 PINEDA_STATS=" + statistics + " " + environment + kCommand +
+                                             " render bench:many-passes --size 128x128 --hash");
+    EXPECT_EQ(result.exit_status, 0) << result.output;
+    std::ifstream file(statistics);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    EXPECT_EQ(text.find("\"overlapped\":1") != std::string::npos, overlaps) << text;
+    return result.output;
+  };
+  EXPECT_EQ(render("", true), render("PINEDA_DEBUG=nooverlap ", false));
 }
 
 TEST(BitContract, EvaluatorDrawsTheSameScenes) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/matrix_transform.hpp>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -45,14 +46,12 @@ std::vector<uint32_t> make_grid_indices(uint32_t columns, uint32_t rows) {
   return indices;
 }
 
-class LitMeshScene final : public RenderScene {
+// The torus, ready to be drawn into targets like the one that it is made for.
+class LitMesh {
  public:
-  explicit LitMeshScene(const LitMeshOptions& options)
-      : RenderScene(options.depth_only ? RenderTarget::Attachments::kDepth : RenderTarget::Attachments::kColourDepth),
-        options_(options) {}
+  explicit LitMesh(const LitMeshOptions& options) : options_(options) {}
 
- protected:
-  void create(VkContext& context, const RenderTarget& target) override {
+  void create(VkContext& context, const RenderTarget& target) {
     const std::vector<Vertex> vertices = make_torus(options_.columns, options_.rows);
     const std::vector<uint32_t> indices = make_grid_indices(options_.columns, options_.rows);
     index_count_ = static_cast<uint32_t>(indices.size());
@@ -86,7 +85,7 @@ class LitMeshScene final : public RenderScene {
                                           .layout = layout_});
   }
 
-  void draw(VkCommandBuffer commands) const override {
+  void draw(VkCommandBuffer commands) const {
     const VkDeviceSize offset = 0;
     const VkBuffer buffer = vertices_.handle;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
@@ -108,8 +107,51 @@ class LitMeshScene final : public RenderScene {
   PipelineHandle pipeline_;
 };
 
+class LitMeshScene final : public RenderScene {
+ public:
+  explicit LitMeshScene(const LitMeshOptions& options)
+      : RenderScene(options.depth_only ? RenderTarget::Attachments::kDepth : RenderTarget::Attachments::kColourDepth),
+        mesh_(options) {}
+
+ protected:
+  void create(VkContext& context, const RenderTarget& target) override { mesh_.create(context, target); }
+  void draw(VkCommandBuffer commands) const override { mesh_.draw(commands); }
+
+ private:
+  LitMesh mesh_;
+};
+
+// The mesh in many render passes that do not depend on each other: each has a target of its own.
+class ManyPassesScene final : public Scene {
+ public:
+  ManyPassesScene(const LitMeshOptions& options, uint32_t pass_count) : mesh_(options), pass_count_(pass_count) {}
+
+  void prepare(VkContext& context, VkExtent2D extent) override {
+    for (uint32_t i = 0; i < pass_count_; ++i) {
+      targets_.push_back(std::make_unique<RenderTarget>(context, extent, RenderTarget::Attachments::kColourDepth));
+    }
+    mesh_.create(context, *targets_[0]);
+  }
+  void record(VkCommandBuffer commands) const override {
+    for (const std::unique_ptr<RenderTarget>& target : targets_) {
+      target->begin(commands, {0, 0, 0, 1});
+      mesh_.draw(commands);
+      vkCmdEndRenderPass(commands);
+    }
+  }
+  const Image2D& picture() const override { return targets_.back()->colour(); }
+
+ private:
+  LitMesh mesh_;
+  uint32_t pass_count_;
+  std::vector<std::unique_ptr<RenderTarget>> targets_;
+};
+
 }  // namespace
 
 std::unique_ptr<Scene> make_lit_mesh_scene(const LitMeshOptions& options) { return std::make_unique<LitMeshScene>(options); }
+std::unique_ptr<Scene> make_many_passes_scene(const LitMeshOptions& options, uint32_t pass_count) {
+  return std::make_unique<ManyPassesScene>(options, pass_count);
+}
 
 }  // namespace pineda::tools

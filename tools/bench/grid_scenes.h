@@ -1,4 +1,4 @@
-// A generated torus: lit, or only its depth; in one draw or in many.
+// A generated torus: lit, or only its depth; in one draw or in many, in one render pass or in many.
 #pragma once
 
 #include <memory>
@@ -16,5 +16,7 @@ struct LitMeshOptions {
 };
 
 std::unique_ptr<Scene> make_lit_mesh_scene(const LitMeshOptions& options);
+// In `pass_count` render passes that do not depend on each other.
+std::unique_ptr<Scene> make_many_passes_scene(const LitMeshOptions& options, uint32_t pass_count);
 
 }  // namespace pineda::tools
