@@ -10,13 +10,17 @@
 #include <cstring>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <vector>
 
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
 
+#include "base/format.h"
+#include "tests/everything.h"
 #include "tests/paths.h"
+#include "tests/validation.h"
 
 namespace pineda::test {
 
@@ -29,47 +33,52 @@ inline void* driver_symbol(const char* name) {
   return library ? dlsym(library, name) : nullptr;
 }
 
-// PINEDA_TEST_LOADER=1 goes through the Vulkan loader instead, and so through the layers of VK_INSTANCE_LAYERS.
-inline PFN_vkVoidFunction driver_proc(VkInstance instance, const char* name) {
+// The loader's vkGetInstanceProcAddr: validated tests (validation.h) are its clients.
+inline PFN_vkGetInstanceProcAddr loader_proc() {
   static const auto get = [] {
-    if (!std::getenv("PINEDA_TEST_LOADER")) return reinterpret_cast<GetProcFn>(driver_symbol("vk_icdGetInstanceProcAddr"));
     void* loader = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
     EXPECT_NE(loader, nullptr) << dlerror();
-    return reinterpret_cast<GetProcFn>(dlsym(loader, "vkGetInstanceProcAddr"));
+    return reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader, "vkGetInstanceProcAddr"));
   }();
-  return get(instance, name);
+  return get;
+}
+
+inline PFN_vkVoidFunction driver_proc(VkInstance instance, const char* name) {
+  static const auto get = reinterpret_cast<GetProcFn>(driver_symbol("vk_icdGetInstanceProcAddr"));
+  if (!is_validating()) return get(instance, name);
+  const PFN_vkCreateInstance create = [](const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                                         VkInstance* out) {
+    return create_validated_instance(loader_proc(), *info, callbacks, out);
+  };
+  const PFN_vkDestroyInstance destroy = [](VkInstance gone, const VkAllocationCallbacks* callbacks) {
+    destroy_validated_instance(loader_proc(), gone, callbacks);
+  };
+  if (std::strcmp(name, "vkCreateInstance") == 0) return reinterpret_cast<PFN_vkVoidFunction>(create);
+  if (std::strcmp(name, "vkDestroyInstance") == 0) return reinterpret_cast<PFN_vkVoidFunction>(destroy);
+  return loader_proc()(instance, name);
 }
 
 // VK(client, CreateFence)(...) calls vkCreateFence of the client's instance.
 #define VK(client, name) reinterpret_cast<PFN_vk##name>(::pineda::test::driver_proc((client).instance, "vk" #name))
 
-// Instance, device, queue and a command pool. Destruction waits for the queue.
+inline constexpr uint32_t kQueueFamilies = 3;
+inline constexpr VkAccessFlags kAnyAccess = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+
+// What of the driver is enabled in instance and device besides what a test asks for.
+enum class Enabled { kEverything, kOnlyAsked };
+
+// Instance, device with a queue of each family, a command pool of the first family. Destruction waits for the queues.
 class Client {
  public:
   explicit Client(const VkAllocationCallbacks* callbacks = nullptr, std::initializer_list<const char*> instance_extensions = {},
-                  std::initializer_list<const char*> device_extensions = {}, const void* device_chain = nullptr)
+                  std::initializer_list<const char*> device_extensions = {}, Enabled enabled = Enabled::kEverything)
       : callbacks_(callbacks) {
-    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-    application.apiVersion = VK_API_VERSION_1_1;
-    VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-    instance_info.pApplicationInfo = &application;
-    instance_info.enabledExtensionCount = static_cast<uint32_t>(instance_extensions.size());
-    instance_info.ppEnabledExtensionNames = instance_extensions.begin();
-    const auto create = reinterpret_cast<PFN_vkCreateInstance>(driver_proc(nullptr, "vkCreateInstance"));
-    result = create(&instance_info, callbacks, &instance);
+    result = create_instance(instance_extensions, enabled);
     if (result != VK_SUCCESS) return;
     uint32_t count = 1;
     result = VK(*this, EnumeratePhysicalDevices)(instance, &count, &physical);
     if (result != VK_SUCCESS) return;
-    const float priority = 1;
-    const VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
-    VkDeviceCreateInfo device_info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
-    device_info.queueCreateInfoCount = 1;
-    device_info.pQueueCreateInfos = &queue_info;
-    device_info.enabledExtensionCount = static_cast<uint32_t>(device_extensions.size());
-    device_info.ppEnabledExtensionNames = device_extensions.begin();
-    device_info.pNext = device_chain;
-    result = VK(*this, CreateDevice)(physical, &device_info, callbacks, &device);
+    result = create_device(device_extensions, enabled);
     if (result != VK_SUCCESS) return;
     VK(*this, GetDeviceQueue)(device, 0, 0, &queue);
     VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -169,7 +178,35 @@ class Client {
     VK(*this, GetImageMemoryRequirements)(device, out, &requirements);
     EXPECT_EQ(VK(*this, BindImageMemory)(device, out, memory(requirements.size), 0), VK_SUCCESS);
     defer([this, out] { VK(*this, DestroyImage)(device, out, nullptr); });
+    to_general(out, format);
     return out;
+  }
+  // Takes all of an image to another layout; whatever came before is seen by whatever follows.
+  void transition(VkCommandBuffer cb, VkImage image, VkImageAspectFlags aspects, VkImageLayout from, VkImageLayout to) {
+    const VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                       nullptr,
+                                       kAnyAccess,
+                                       kAnyAccess,
+                                       from,
+                                       to,
+                                       VK_QUEUE_FAMILY_IGNORED,
+                                       VK_QUEUE_FAMILY_IGNORED,
+                                       image,
+                                       {aspects, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
+    VK(*this, CmdPipelineBarrier)
+    (cb, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+  }
+  // Takes a new image to VK_IMAGE_LAYOUT_GENERAL, in which tests use their images.
+  void to_general(VkImage image, VkFormat format) {
+    run([&](VkCommandBuffer cb) {
+      transition(cb, image, find_format(format)->aspects, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    });
+  }
+  // What follows sees what came before.
+  void barrier(VkCommandBuffer cb) {
+    const VkMemoryBarrier all{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, kAnyAccess, kAnyAccess};
+    VK(*this, CmdPipelineBarrier)
+    (cb, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &all, 0, nullptr, 0, nullptr);
   }
 
   VkInstance instance = VK_NULL_HANDLE;
@@ -180,6 +217,48 @@ class Client {
   VkResult result = VK_SUCCESS;  // of construction
 
  private:
+  VkResult create_instance(std::initializer_list<const char*> asked, Enabled enabled) {
+    const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
+        driver_proc(nullptr, "vkEnumerateInstanceExtensionProperties"));
+    const ExtensionNames extensions(
+        [&](uint32_t* count, VkExtensionProperties* out) {
+          enabled == Enabled::kEverything ? enumerate(nullptr, count, out) : VK_SUCCESS;
+        },
+        asked);
+    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    application.apiVersion = VK_API_VERSION_1_1;
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pApplicationInfo = &application;
+    info.enabledExtensionCount = extensions.count();
+    info.ppEnabledExtensionNames = extensions.data();
+    return reinterpret_cast<PFN_vkCreateInstance>(driver_proc(nullptr, "vkCreateInstance"))(&info, callbacks_, &instance);
+  }
+
+  VkResult create_device(std::initializer_list<const char*> asked, Enabled enabled) {
+    const bool everything = enabled == Enabled::kEverything;
+    const ExtensionNames extensions(
+        [&](uint32_t* count, VkExtensionProperties* out) {
+          everything ? VK(*this, EnumerateDeviceExtensionProperties)(physical, nullptr, count, out) : VK_SUCCESS;
+        },
+        asked);
+    uint32_t families = 0;
+    VK(*this, GetPhysicalDeviceQueueFamilyProperties)(physical, &families, nullptr);
+    EXPECT_EQ(families, kQueueFamilies);
+    std::optional<FeatureChain> features;
+    if (everything) features.emplace(VK(*this, GetPhysicalDeviceFeatures2), physical);
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queues[kQueueFamilies];
+    for (uint32_t i = 0; i < kQueueFamilies; ++i) {
+      queues[i] = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, i, 1, &priority};
+    }
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, features ? features->head() : nullptr};
+    info.queueCreateInfoCount = kQueueFamilies;
+    info.pQueueCreateInfos = queues;
+    info.enabledExtensionCount = extensions.count();
+    info.ppEnabledExtensionNames = extensions.data();
+    return VK(*this, CreateDevice)(physical, &info, callbacks_, &device);
+  }
+
   const VkAllocationCallbacks* callbacks_;
   std::vector<std::function<void()>> cleanup_;
 };

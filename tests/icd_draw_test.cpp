@@ -84,8 +84,16 @@ TEST(IcdRenderPass, ClearLoadAndRenderArea) {
 }
 
 TEST(IcdRenderPass, UnsupportedIsRefused) {
+  breaks_on_purpose({"VUID-VkSubpassDescription-pColorAttachments-06868", "VUID-VkRenderPassCreateInfo-attachment-00834"});
   PipelineClient client;
-  VkAttachmentDescription attachments[] = {{0, kFormat, VK_SAMPLE_COUNT_4_BIT}, {0, kFormat, VK_SAMPLE_COUNT_32_BIT}};
+  VkAttachmentDescription attachments[2]{};
+  for (VkAttachmentDescription& attachment : attachments) {
+    attachment.format = kFormat;
+    attachment.loadOp = attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachment.finalLayout = VK_IMAGE_LAYOUT_GENERAL;
+  }
+  attachments[0].samples = VK_SAMPLE_COUNT_4_BIT;
+  attachments[1].samples = VK_SAMPLE_COUNT_32_BIT;
   VkAttachmentReference references[] = {{0, VK_IMAGE_LAYOUT_GENERAL}, {1, VK_IMAGE_LAYOUT_GENERAL}};
   VkSubpassDescription subpass{};
   subpass.colorAttachmentCount = 2;
@@ -252,6 +260,7 @@ TEST(IcdDraw, TexturesSelectVariants) {
       VK(f.client, CmdCopyBufferToImage)(cb, texels.handle, bgra, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
       f.client.begin_pass(cb, pass, framebuffer, f.whole, {kClearBlack});
       f.bind(cb, pipeline);
+      f.color(cb, layout, {});
       VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[variant], 0, nullptr);
       VK(f.client, CmdDraw)(cb, 6, 1, 0, 0);
       VK(f.client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[0], 0, nullptr);
@@ -458,6 +467,9 @@ TEST(IcdDraw, LargestFramebuffer) {
 
 // Invalid, but not a crash: a pipeline whose kernels store texels of another size, an attachment smaller than the framebuffer.
 TEST(IcdDraw, IncompatibleAttachmentsAreHarmless) {
+  breaks_on_purpose({"VUID-VkFramebufferCreateInfo-flags-04533", "VUID-VkFramebufferCreateInfo-flags-04534",
+                     "VUID-VkRenderPassBeginInfo-pNext-02850", "VUID-vkCmdDraw-renderPass-02684"});
+  loses_device();
   DrawFixture f;
   constexpr VkFormat kWide = VK_FORMAT_R32G32B32A32_SFLOAT;
   constexpr PipelineClient::Attachment kNarrowClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
@@ -477,6 +489,7 @@ TEST(IcdDraw, IncompatibleAttachmentsAreHarmless) {
   f.client.begin(cb);
   f.client.begin_pass(cb, narrow, framebuffer, f.whole, {kClearBlack});
   f.bind(cb, p.pipeline);
+  f.color(cb, p.layout, {1, 0, 0, 1});
   VK(f.client, CmdDraw)(cb, 12, 1, 0, 0);
   VK(f.client, CmdEndRenderPass)(cb);
   EXPECT_EQ(VK(f.client, EndCommandBuffer)(cb), VK_SUCCESS);
@@ -484,6 +497,8 @@ TEST(IcdDraw, IncompatibleAttachmentsAreHarmless) {
 }
 
 TEST(IcdDraw, UnsupportedTopologyIsRefused) {
+  breaks_on_purpose(
+      {"VUID-VkGraphicsPipelineCreateInfo-topology-00737", "VUID-VkPipelineInputAssemblyStateCreateInfo-topology-00430"});
   DrawFixture f;
   constexpr PipelineClient::Attachment kClear[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
   constexpr uint32_t kFirst[] = {0};

@@ -59,12 +59,13 @@ TEST(IcdEntry, EveryCoreCommandExists) {
 }
 
 TEST(IcdEntry, ExtensionCommandsNeedTheirExtension) {
-  Client plain;
+  Client plain(nullptr, {}, {}, Enabled::kOnlyAsked);
   ASSERT_EQ(plain.result, VK_SUCCESS);
   EXPECT_EQ(driver_proc(plain.instance, "vkGetPhysicalDeviceProperties2KHR"), nullptr);
   EXPECT_EQ(driver_proc(plain.instance, "vkCreateDebugUtilsMessengerEXT"), nullptr);
   EXPECT_EQ(VK(plain, GetDeviceProcAddr)(plain.device, "vkTrimCommandPoolKHR"), nullptr) << "an extension of the device";
-  Client extended(nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME});
+  Client extended(nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME}, {},
+                  Enabled::kOnlyAsked);
   ASSERT_EQ(extended.result, VK_SUCCESS);
   EXPECT_NE(driver_proc(extended.instance, "vkGetPhysicalDeviceProperties2KHR"), nullptr);
   EXPECT_NE(VK(extended, GetDeviceProcAddr)(extended.device, "vkSetDebugUtilsObjectNameEXT"), nullptr);

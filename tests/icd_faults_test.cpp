@@ -73,10 +73,10 @@ VkBool32 keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessag
 
 // Dispatches a shader that never ends; 0 when the device is lost in time and the message says why.
 int dispatch_endless(std::span<const uint32_t> shader) {
+  loses_device();
   Client::Buffer buffer;
   Messages messages;
-  VkPhysicalDeviceFaultFeaturesEXT fault{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FAULT_FEATURES_EXT, nullptr, VK_TRUE, VK_FALSE};
-  PipelineClient client(nullptr, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME}, {VK_EXT_DEVICE_FAULT_EXTENSION_NAME}, &fault);
+  PipelineClient client(nullptr, {VK_EXT_DEBUG_UTILS_EXTENSION_NAME}, {VK_EXT_DEVICE_FAULT_EXTENSION_NAME});
   VkDebugUtilsMessengerCreateInfoEXT messenger_info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
   messenger_info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   messenger_info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
@@ -291,7 +291,7 @@ TEST(IcdFaults, DestructionInAnyOrder) {
   DESTROY_LATER(name, handle)
     VkBufferCreateInfo buffer_info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     buffer_info.size = 256;
-    buffer_info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    buffer_info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     VkBuffer buffer;
     CREATE(Buffer, buffer_info, buffer);
     VkImageCreateInfo image_info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};

@@ -56,6 +56,7 @@ VkImage make_image(Client& client, const ImageOf& of, uint8_t** mapped = nullptr
   EXPECT_EQ(VK(client, BindImageMemory)(client.device, image, client.memory(requirements.size, &data), 0), VK_SUCCESS);
   if (mapped) *mapped = static_cast<uint8_t*>(data);
   client.defer([&client, image] { VK(client, DestroyImage)(client.device, image, nullptr); });
+  client.to_general(image, of.format);
   return image;
 }
 
@@ -71,7 +72,9 @@ void expect_texels(const VkClearColorValue* got, const FormatInfo& shown, const 
 }
 
 // A compressed image filled from an image whose texels are its blocks, and back ("Copying Data Between Images", size-compatible).
+// The last column and row of blocks are partly outside, and so is the region of the copy counted in the destination's texels.
 TEST(IcdImageKinds, BlocksAreCopiedAsTexels) {
+  breaks_on_purpose({"VUID-vkCmdCopyImage-dstOffset-00150", "VUID-vkCmdCopyImage-dstOffset-00151"});
   FormatClient client;
   const FormatInfo& format = *find_format(VK_FORMAT_BC7_UNORM_BLOCK);
   const Aspect blocks_aspect{&format, find_format(format.decoded), VK_IMAGE_ASPECT_COLOR_BIT};
@@ -139,9 +142,11 @@ TEST(IcdImageKinds, SlicesOfAVolumeAreLayers) {
   FormatClient client;
   const FormatInfo& format = *find_format(VK_FORMAT_R8G8B8A8_UNORM);
   const VkExtent3D extent{9, 7, 5};
-  const VkImage image = make_image(
-      client,
-      {.format = format.format, .extent = extent, .flags = VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT, .type = VK_IMAGE_TYPE_3D});
+  const VkImage image =
+      make_image(client, {.format = format.format,
+                          .extent = extent,
+                          .flags = VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT | VK_IMAGE_CREATE_2D_VIEW_COMPATIBLE_BIT_EXT,
+                          .type = VK_IMAGE_TYPE_3D});
   const uint32_t slice_bytes = extent.width * extent.height * 4;
   const auto in = client.buffer(slice_bytes * extent.depth);
   std::mt19937 random(kFormatSeed);
@@ -181,6 +186,7 @@ TEST(IcdImageKinds, FormatsAreReinterpreted) {
 
 // A view of another class would read the decoded copy as what it is not.
 TEST(IcdImageKinds, OtherClassesAreRefused) {
+  breaks_on_purpose({"VUID-VkImageViewCreateInfo-image-01761"});
   FormatClient client;
   const VkImage image =
       make_image(client, {.format = VK_FORMAT_BC7_UNORM_BLOCK, .extent = kExtent, .flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT});

@@ -406,6 +406,9 @@ void main() { uint i = gl_GlobalInvocationID.x;
 
 // Views whose range would leave the resource; texel buffers that are read and written past their end.
 TEST(IcdImageUse, BadInputViewsEndWithWhatTheyShow) {
+  breaks_on_purpose({"VUID-VkBufferViewCreateInfo-offset-00931", "VUID-VkImageSubresourceRange-levelCount-01720",
+                     "VUID-VkImageViewCreateInfo-image-06724", "VUID-VkImageViewCreateInfo-subresourceRange-01478",
+                     "VUID-VkImageViewCreateInfo-subresourceRange-01718", "VUID-VkImageViewCreateInfo-subresourceRange-06725"});
   ImageClient client;
   const VkImage image = client.make({.format = VK_FORMAT_R8G8B8A8_UNORM, .extent = {8, 8, 1}, .levels = 3, .layers = 4});
   for (const VkImageSubresourceRange range : {VkImageSubresourceRange{VK_IMAGE_ASPECT_COLOR_BIT, 3, 1, 0, 1},

@@ -70,7 +70,6 @@ TEST(IcdLayers, InputAttachmentsOfEveryLayer) {
                       {VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME, VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME});
   client.set_cover();
   RasterClient::Drawing drawing{.viewports = kViewports};
-  const VkPipeline write = client.pipeline(drawing, kRouteVertex, kRouteFragment);
   const VkDescriptorSetLayout set_layout =
       client.set_layout({{0, VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}});
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, 1};
@@ -104,7 +103,16 @@ TEST(IcdLayers, InputAttachmentsOfEveryLayer) {
   }
   subpasses[1].inputAttachmentCount = 1;
   subpasses[1].pInputAttachments = &references[0];
-  const VkRenderPassCreateInfo pass_info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, nullptr, 0, 2, descriptions, 2, subpasses};
+  const std::vector<VkSubpassDependency> dependencies = dependencies_of(2);
+  const VkRenderPassCreateInfo pass_info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                         nullptr,
+                                         0,
+                                         2,
+                                         descriptions,
+                                         2,
+                                         subpasses,
+                                         static_cast<uint32_t>(dependencies.size()),
+                                         dependencies.data()};
   VkRenderPass pass = VK_NULL_HANDLE;
   ASSERT_EQ(VK(client, CreateRenderPass)(client.device, &pass_info, nullptr, &pass), VK_SUCCESS);
   client.defer([&client, pass] { VK(client, DestroyRenderPass)(client.device, pass, nullptr); });
@@ -115,8 +123,9 @@ TEST(IcdLayers, InputAttachmentsOfEveryLayer) {
   client.defer([&client, frame] { VK(client, DestroyFramebuffer)(client.device, frame, nullptr); });
   client.write_image(set, 0, VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, views[0]);
   const VkPipelineLayout reading_layout = client.pipeline_layout(set_layout, 16);
-  drawing.layout = reading_layout;
   drawing.pass = pass;
+  const VkPipeline write = client.pipeline(drawing, kRouteVertex, kRouteFragment);
+  drawing.layout = reading_layout;
   drawing.subpass = 1;
   drawing.vertex = client.module(kRouteVertex);
   drawing.fragment = client.module(kRouteInputFragment);

@@ -18,8 +18,7 @@ struct ViewsFixture {
   Client::Buffer pixels = client.buffer(kSize * kSize * 4 * kLayers);
   Client::Buffer vertices = client.buffer(12 * 16);
 
-  explicit ViewsFixture(std::initializer_list<const char*> extensions = {}, const void* chain = nullptr)
-      : client(nullptr, {}, extensions, chain) {
+  explicit ViewsFixture(std::initializer_list<const char*> extensions = {}) : client(nullptr, {}, extensions) {
     VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     info.image = image;
     info.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
@@ -59,6 +58,7 @@ struct ViewsFixture {
   VkRenderPass render_pass(bool second_version) {
     constexpr uint32_t kMasks[] = {0b101, 0b011};
     VkRenderPass out = VK_NULL_HANDLE;
+    const std::vector<VkSubpassDependency> dependencies = dependencies_of(2);
     if (!second_version) {
       const VkAttachmentDescription attachment{0,
                                                kFormat,
@@ -77,8 +77,15 @@ struct ViewsFixture {
       }
       const VkRenderPassMultiviewCreateInfo views{
           VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO, nullptr, 2, kMasks, 0, nullptr, 0, nullptr};
-      const VkRenderPassCreateInfo info{
-          VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO, &views, 0, 1, &attachment, 2, subpasses, 0, nullptr};
+      const VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                        &views,
+                                        0,
+                                        1,
+                                        &attachment,
+                                        2,
+                                        subpasses,
+                                        static_cast<uint32_t>(dependencies.size()),
+                                        dependencies.data()};
       EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &out), VK_SUCCESS);
     } else {
       VkAttachmentDescription2 attachment{VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2};
@@ -100,6 +107,13 @@ struct ViewsFixture {
       info.pAttachments = &attachment;
       info.subpassCount = 2;
       info.pSubpasses = subpasses;
+      std::vector<VkSubpassDependency2> second_dependencies;
+      for (const VkSubpassDependency& d : dependencies) {
+        second_dependencies.push_back({VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2, nullptr, d.srcSubpass, d.dstSubpass,
+                                       d.srcStageMask, d.dstStageMask, d.srcAccessMask, d.dstAccessMask, d.dependencyFlags, 0});
+      }
+      info.dependencyCount = static_cast<uint32_t>(second_dependencies.size());
+      info.pDependencies = second_dependencies.data();
       EXPECT_EQ(VK(client, CreateRenderPass2KHR)(client.device, &info, nullptr, &out), VK_SUCCESS);
     }
     client.defer([this, out] { VK(client, DestroyRenderPass)(client.device, out, nullptr); });
@@ -125,17 +139,13 @@ class IcdMultiview : public testing::TestWithParam<bool> {};
 // uses one query for each view. With the second version of the commands, the framebuffer is imageless.
 TEST_P(IcdMultiview, EachViewDrawsToItsLayer) {
   const bool second_version = GetParam();
-  VkPhysicalDeviceImagelessFramebufferFeatures imageless{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGELESS_FRAMEBUFFER_FEATURES};
-  imageless.imagelessFramebuffer = VK_TRUE;
-  VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES, &imageless};
-  multiview.multiview = VK_TRUE;
-  ViewsFixture f({VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME, VK_KHR_IMAGELESS_FRAMEBUFFER_EXTENSION_NAME}, &multiview);
+  ViewsFixture f({VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME, VK_KHR_IMAGELESS_FRAMEBUFFER_EXTENSION_NAME});
   ASSERT_EQ(f.client.result, VK_SUCCESS);
   const VkRenderPass pass = f.render_pass(second_version);
   const VkPipeline left = f.pipeline(pass, 0, kViewVertex, kViewFragment),
                    right = f.pipeline(pass, 1, kViewVertex, kViewFragment);
   VkFramebufferAttachmentImageInfo image_info{VK_STRUCTURE_TYPE_FRAMEBUFFER_ATTACHMENT_IMAGE_INFO};
-  image_info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  image_info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   image_info.width = image_info.height = kSize;
   image_info.layerCount = kLayers;
   image_info.viewFormatCount = 1;
@@ -201,9 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Icd, IcdMultiview, testing::Bool(),
 
 // gl_DrawID, gl_BaseVertex and gl_BaseInstance of an indirect draw of two.
 TEST(IcdDrawParameters, ReachTheShader) {
-  VkPhysicalDeviceShaderDrawParametersFeatures parameters{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES};
-  parameters.shaderDrawParameters = VK_TRUE;
-  ViewsFixture f({}, &parameters);
+  ViewsFixture f;
   ASSERT_EQ(f.client.result, VK_SUCCESS);
   constexpr PipelineClient::Attachment kAttachment[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR}};
   constexpr uint32_t kSubpass[] = {0};

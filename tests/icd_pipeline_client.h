@@ -8,6 +8,21 @@
 
 namespace pineda::test {
 
+// What comes before a render pass, its subpasses in turn, and what follows: each sees what those before it wrote, subpasses pixel
+// by pixel.
+inline std::vector<VkSubpassDependency> dependencies_of(uint32_t subpasses) {
+  constexpr VkPipelineStageFlags kAll = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, kDraws = VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT;
+  std::vector<VkSubpassDependency> out;
+  for (uint32_t to = 0; to < subpasses; ++to) {
+    out.push_back({VK_SUBPASS_EXTERNAL, to, kAll, kDraws, kAnyAccess, kAnyAccess, 0});
+    out.push_back({to, VK_SUBPASS_EXTERNAL, kDraws, kAll, kAnyAccess, kAnyAccess, 0});
+    for (uint32_t from = 0; from < to; ++from) {
+      out.push_back({from, to, kDraws, kDraws, kAnyAccess, kAnyAccess, VK_DEPENDENCY_BY_REGION_BIT});
+    }
+  }
+  return out;
+}
+
 class PipelineClient : public Client {
  public:
   using Client::Client;
@@ -99,8 +114,9 @@ class PipelineClient : public Client {
   }
 
   VkResult compute_pipeline(VkPipelineLayout layout, VkShaderModule shader, const VkSpecializationInfo* specialization,
-                            VkPipeline* out) {
+                            VkPipeline* out, VkPipelineCreateFlags flags = 0) {
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.flags = flags;
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                   nullptr,
                   0,
@@ -142,6 +158,9 @@ class PipelineClient : public Client {
     info.pAttachments = descriptions.data();
     info.subpassCount = static_cast<uint32_t>(subpasses.size());
     info.pSubpasses = subpasses.data();
+    const std::vector<VkSubpassDependency> dependencies = dependencies_of(info.subpassCount);
+    info.dependencyCount = static_cast<uint32_t>(dependencies.size());
+    info.pDependencies = dependencies.data();
     VkRenderPass out = VK_NULL_HANDLE;
     EXPECT_EQ(VK(*this, CreateRenderPass)(device, &info, nullptr, &out), VK_SUCCESS);
     defer([this, out] { VK(*this, DestroyRenderPass)(device, out, nullptr); });
@@ -190,6 +209,7 @@ class PipelineClient : public Client {
     bool depth_write = true;
     float depth_bias_slope = 0, line_width = 1;
     bool blend_over = false;  // source alpha over
+    bool reads_vertices = true;
   };
   VkResult graphics_pipeline(const Drawing& drawing, VkPipeline* out);
 };
@@ -201,8 +221,13 @@ inline VkResult PipelineClient::graphics_pipeline(const Drawing& drawing, VkPipe
                                                      VK_SHADER_STAGE_FRAGMENT_BIT, drawing.fragment, "main", nullptr}};
   const VkVertexInputBindingDescription binding{0, 16, VK_VERTEX_INPUT_RATE_VERTEX};
   const VkVertexInputAttributeDescription attributes[] = {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}, {1, 0, VK_FORMAT_R32G32_SFLOAT, 8}};
-  const VkPipelineVertexInputStateCreateInfo input{
-      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO, nullptr, 0, 1, &binding, 2, attributes};
+  const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+                                                   nullptr,
+                                                   0,
+                                                   drawing.reads_vertices ? 1u : 0u,
+                                                   &binding,
+                                                   drawing.reads_vertices ? 2u : 0u,
+                                                   attributes};
   const VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, nullptr, 0,
                                                         drawing.topology, VK_FALSE};
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};

@@ -16,8 +16,8 @@ struct TargetInfo {
 
 class RasterClient : public PipelineClient {
  public:
-  explicit RasterClient(const TargetInfo& target, std::initializer_list<const char*> extensions = {}, const void* chain = nullptr)
-      : PipelineClient(nullptr, {}, extensions, chain), info(target) {
+  explicit RasterClient(const TargetInfo& target, std::initializer_list<const char*> extensions = {})
+      : PipelineClient(nullptr, {}, extensions), info(target) {
     EXPECT_EQ(result, VK_SUCCESS);
     whole = {{0, 0}, {info.width, info.height}};
     const auto color_reference = add(info.color, info.samples, &color);

@@ -56,14 +56,16 @@ struct SubpassFixture {
   }
 
   void create_pass(std::vector<VkAttachmentDescription> attachments, std::vector<VkSubpassDescription> subpasses,
-                   std::vector<VkImageView> views) {
+                   std::vector<VkImageView> views, std::vector<VkSubpassDependency> dependencies) {
     const VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                       nullptr,
                                       0,
                                       static_cast<uint32_t>(attachments.size()),
                                       attachments.data(),
                                       static_cast<uint32_t>(subpasses.size()),
-                                      subpasses.data()};
+                                      subpasses.data(),
+                                      static_cast<uint32_t>(dependencies.size()),
+                                      dependencies.data()};
     EXPECT_EQ(VK(client, CreateRenderPass)(client.device, &info, nullptr, &pass), VK_SUCCESS);
     client.defer([this] { VK(client, DestroyRenderPass)(client.device, pass, nullptr); });
     frame = client.framebuffer(pass, views, {kSize, kSize});
@@ -122,7 +124,7 @@ TEST(IcdSubpass, InputAttachmentsOfEarlierSubpasses) {
     first.pColorAttachments = second.pInputAttachments = &kFirst;
     second.pColorAttachments = &kSecond;
     f.create_pass({description(samples), description(1)}, {first, second},
-                  {f.client.view(from, kFormat), f.client.view(to, kFormat)});
+                  {f.client.view(from, kFormat), f.client.view(to, kFormat)}, dependencies_of(2));
     const VkPipeline write = f.pipeline(0, kColorFragment, samples);
     const VkPipeline read =
         f.pipeline(1, samples > 1 ? std::span<const uint32_t>(kSubpassInputMsFragment) : kSubpassInputFragment);
@@ -150,7 +152,11 @@ TEST(IcdSubpass, BarrierMakesTheOwnAttachmentReadable) {
   VkSubpassDescription subpass{};
   subpass.colorAttachmentCount = subpass.inputAttachmentCount = 1;
   subpass.pColorAttachments = subpass.pInputAttachments = &kFirst;
-  f.create_pass({description(1)}, {subpass}, {f.client.view(both, kFormat)});
+  std::vector<VkSubpassDependency> dependencies = dependencies_of(1);
+  dependencies.push_back({0, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                          VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT, VK_ACCESS_INPUT_ATTACHMENT_READ_BIT,
+                          VK_DEPENDENCY_BY_REGION_BIT});
+  f.create_pass({description(1)}, {subpass}, {f.client.view(both, kFormat)}, dependencies);
   const VkPipeline write = f.pipeline(0, kColorFragment), read = f.pipeline(0, kSubpassInputFragment);
   f.client.run([&](VkCommandBuffer cb) {
     f.client.begin_pass(cb, f.pass, f.frame, kWhole, {{{{0, 1, 0, 0}}}});

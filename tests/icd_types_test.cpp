@@ -10,32 +10,11 @@ namespace {
 
 constexpr VkDescriptorType kStorage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 
-// Everything that kMixedTypes and kVariablePointers use; the chain starts at `features`.
-struct Wanted {
-  VkPhysicalDevice16BitStorageFeatures storage16{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES, nullptr, VK_TRUE, VK_TRUE, VK_TRUE, VK_TRUE};
-  VkPhysicalDevice8BitStorageFeatures storage8{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES, &storage16, VK_TRUE,
-                                               VK_TRUE, VK_TRUE};
-  VkPhysicalDeviceShaderFloat16Int8Features small{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES, &storage8,
-                                                  VK_TRUE, VK_TRUE};
-  VkPhysicalDeviceVariablePointersFeatures pointers{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VARIABLE_POINTERS_FEATURES, &small, VK_TRUE,
-                                                    VK_TRUE};
-  VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, &pointers,
-                                                   VK_TRUE};
-  VkPhysicalDeviceUniformBufferStandardLayoutFeatures standard{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_UNIFORM_BUFFER_STANDARD_LAYOUT_FEATURES, &scalar, VK_TRUE};
-  VkPhysicalDeviceShaderDrawParametersFeatures draw{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_DRAW_PARAMETERS_FEATURES, &standard,
-                                                    VK_TRUE};
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &draw, {}};
-  Wanted() { features.features.shaderInt16 = features.features.shaderInt64 = features.features.shaderFloat64 = VK_TRUE; }
-};
-
-struct TypesClient : Wanted, PipelineClient {
+struct TypesClient : PipelineClient {
   TypesClient()
       : PipelineClient(nullptr, {},
                        {VK_KHR_8BIT_STORAGE_EXTENSION_NAME, VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME,
-                        VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME, VK_KHR_UNIFORM_BUFFER_STANDARD_LAYOUT_EXTENSION_NAME},
-                       &features) {}
+                        VK_EXT_SCALAR_BLOCK_LAYOUT_EXTENSION_NAME, VK_KHR_UNIFORM_BUFFER_STANDARD_LAYOUT_EXTENSION_NAME}) {}
 };
 
 struct Std430 {  // the natural alignment of C++
@@ -98,6 +77,7 @@ TEST(IcdTypes, EveryWidthAndLayout) {
     uint8_t p = 200;
     int16_t q = -2;
     uint16_t h = half(2);
+    uint16_t unused = 0;  // to whole words
   } push;
   client.run([&](VkCommandBuffer cb) {
     VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);

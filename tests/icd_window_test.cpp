@@ -72,6 +72,7 @@ class WindowClient : public Client {
   }
   // Acquires, clears to the colour (0xRRGGBB), presents.
   VkResult frame(VkSwapchainKHR swapchain, uint32_t rgb, VkSemaphore acquired, VkSemaphore drawn) {
+    const std::vector<VkImage> of_swapchain = images(swapchain);
     uint32_t index = 0;
     const VkResult result = VK(*this, AcquireNextImageKHR)(device, swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index);
     if (result != VK_SUCCESS) return result;
@@ -80,7 +81,10 @@ class WindowClient : public Client {
     const auto channel = [&](int shift) { return float((rgb >> shift) & 255) / 255.0f; };
     const VkClearColorValue color{{channel(16), channel(8), channel(0), 1}};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    VK(*this, CmdClearColorImage)(cb, images(swapchain)[index], VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+    const VkImage image = of_swapchain[index];
+    transition(cb, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    VK(*this, CmdClearColorImage)(cb, image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+    transition(cb, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
     EXPECT_EQ(VK(*this, EndCommandBuffer)(cb), VK_SUCCESS);
     const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
     const VkSubmitInfo submit_info{VK_STRUCTURE_TYPE_SUBMIT_INFO, nullptr, 1, &acquired, &stage, 1, &cb, 1, &drawn};
@@ -94,6 +98,7 @@ class WindowClient : public Client {
 };
 
 TEST(IcdWindow, HeadlessImagesGoRound) {
+  breaks_on_purpose({"VUID-VkAcquireNextImageInfoKHR-swapchain-01675"});
   WindowClient client;
   ASSERT_EQ(client.result, VK_SUCCESS);
   const VkSurfaceKHR surface = client.headless();
@@ -119,6 +124,7 @@ TEST(IcdWindow, HeadlessImagesGoRound) {
   EXPECT_EQ(VK(client, ResetFences)(client.device, 1, &fence), VK_SUCCESS);
   ASSERT_EQ(acquire(0, &index[1]), VK_SUCCESS);
   EXPECT_NE(index[0], index[1]);
+  EXPECT_EQ(VK(client, GetFenceStatus)(client.device, fence), VK_SUCCESS);
   EXPECT_EQ(VK(client, ResetFences)(client.device, 1, &fence), VK_SUCCESS);
   EXPECT_EQ(acquire(0, &index[2]), VK_NOT_READY);
   const auto start = steady_clock::now();
@@ -136,6 +142,11 @@ TEST(IcdWindow, ImagesAliasTheSwapchains) {
   WindowClient client;
   VkSwapchainKHR swapchain = VK_NULL_HANDLE;
   ASSERT_EQ(client.create(client.headless(), {16, 16}, &swapchain), VK_SUCCESS);
+  const VkSemaphore acquired = client.semaphore();
+  const std::vector<VkImage> of_swapchain = client.images(swapchain);
+  uint32_t index = 0;
+  ASSERT_EQ(VK(client, AcquireNextImageKHR)(client.device, swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), VK_SUCCESS);
+  const VkImage own = of_swapchain[index];
   const VkImageSwapchainCreateInfoKHR chain{VK_STRUCTURE_TYPE_IMAGE_SWAPCHAIN_CREATE_INFO_KHR, nullptr, swapchain};
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, &chain};
   info.imageType = VK_IMAGE_TYPE_2D;
@@ -148,14 +159,18 @@ TEST(IcdWindow, ImagesAliasTheSwapchains) {
   ASSERT_EQ(VK(client, CreateImage)(client.device, &info, nullptr, &alias), VK_SUCCESS);
   client.defer([&] { VK(client, DestroyImage)(client.device, alias, nullptr); });
   const VkBindImageMemorySwapchainInfoKHR bind_chain{VK_STRUCTURE_TYPE_BIND_IMAGE_MEMORY_SWAPCHAIN_INFO_KHR, nullptr, swapchain,
-                                                     1};
+                                                     index};
   const VkBindImageMemoryInfo bind{VK_STRUCTURE_TYPE_BIND_IMAGE_MEMORY_INFO, &bind_chain, alias, VK_NULL_HANDLE, 0};
   ASSERT_EQ(VK(client, BindImageMemory2)(client.device, 1, &bind), VK_SUCCESS);
   const auto buffer = client.buffer(16 * 16 * 4);
   client.run([&](VkCommandBuffer cb) {
     const VkClearColorValue color{{1, 0, 0.2f, 1}};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    VK(client, CmdClearColorImage)(cb, client.images(swapchain)[1], VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+    for (const VkImage image : {own, alias}) {
+      client.transition(cb, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    }
+    VK(client, CmdClearColorImage)(cb, own, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+    client.barrier(cb);
     const VkBufferImageCopy copy{0, 0, 0, color_layers(), {}, {16, 16, 1}};
     VK(client, CmdCopyImageToBuffer)(cb, alias, VK_IMAGE_LAYOUT_GENERAL, buffer.handle, 1, &copy);
   });

@@ -41,45 +41,9 @@ inline Resource sampled_image(VkImageView view, VkSampler sampler) {
   return {.type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, .image = {sampler, view, VK_IMAGE_LAYOUT_GENERAL}};
 }
 
-// What image tests enable, so that the validation layer has nothing to say: every core feature, and the extensions' that concern
-// images and descriptors.
-struct ImageFeatures {
-  VkPhysicalDevice4444FormatsFeaturesEXT four{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_4444_FORMATS_FEATURES_EXT, nullptr, VK_TRUE,
-                                              VK_TRUE};
-  VkPhysicalDeviceImage2DViewOf3DFeaturesEXT slices{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_2D_VIEW_OF_3D_FEATURES_EXT, &four,
-                                                    VK_TRUE, VK_TRUE};
-  VkPhysicalDeviceSamplerYcbcrConversionFeatures ycbcr{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLER_YCBCR_CONVERSION_FEATURES,
-                                                       &slices, VK_TRUE};
-  VkPhysicalDeviceDescriptorIndexingFeatures indexing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_FEATURES, &ycbcr};
-  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &indexing, {}};
-
-  ImageFeatures() {
-    indexing.shaderUniformBufferArrayNonUniformIndexing = indexing.shaderSampledImageArrayNonUniformIndexing = VK_TRUE;
-    indexing.shaderStorageBufferArrayNonUniformIndexing = indexing.shaderStorageImageArrayNonUniformIndexing = VK_TRUE;
-    indexing.descriptorBindingStorageBufferUpdateAfterBind = indexing.descriptorBindingPartiallyBound = VK_TRUE;
-    indexing.descriptorBindingSampledImageUpdateAfterBind = indexing.descriptorBindingVariableDescriptorCount = VK_TRUE;
-    indexing.runtimeDescriptorArray = VK_TRUE;
-    const Client probe;
-    VK(probe, GetPhysicalDeviceFeatures)(probe.physical, &core.features);
-  }
-  static const ImageFeatures& get() {
-    static const ImageFeatures features;
-    return features;
-  }
-};
-
 class ImageClient : public PipelineClient {
  public:
-  ImageClient()
-      : PipelineClient(nullptr, {VK_KHR_GET_PHYSICAL_DEVICE_PROPERTIES_2_EXTENSION_NAME},
-                       {VK_KHR_MAINTENANCE_1_EXTENSION_NAME, VK_KHR_MAINTENANCE_2_EXTENSION_NAME,
-                        VK_KHR_MAINTENANCE_3_EXTENSION_NAME, VK_KHR_BIND_MEMORY_2_EXTENSION_NAME,
-                        VK_KHR_GET_MEMORY_REQUIREMENTS_2_EXTENSION_NAME, VK_KHR_SAMPLER_YCBCR_CONVERSION_EXTENSION_NAME,
-                        VK_KHR_SAMPLER_MIRROR_CLAMP_TO_EDGE_EXTENSION_NAME, VK_EXT_DESCRIPTOR_INDEXING_EXTENSION_NAME,
-                        VK_EXT_4444_FORMATS_EXTENSION_NAME, VK_EXT_IMAGE_2D_VIEW_OF_3D_EXTENSION_NAME},
-                       &ImageFeatures::get().core) {
-    EXPECT_EQ(result, VK_SUCCESS);
-  }
+  using PipelineClient::PipelineClient;
   using PipelineClient::view;
 
   // ---- objects
@@ -108,20 +72,7 @@ class ImageClient : public PipelineClient {
     EXPECT_EQ(VK(*this, BindImageMemory)(device, image, memory(requirements.size, &data), 0), VK_SUCCESS);
     if (mapped) *mapped = static_cast<uint8_t*>(data);
     defer([this, image] { VK(*this, DestroyImage)(device, image, nullptr); });
-    run([&](VkCommandBuffer cb) {
-      const VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-                                         nullptr,
-                                         0,
-                                         VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
-                                         VK_IMAGE_LAYOUT_UNDEFINED,
-                                         VK_IMAGE_LAYOUT_GENERAL,
-                                         VK_QUEUE_FAMILY_IGNORED,
-                                         VK_QUEUE_FAMILY_IGNORED,
-                                         image,
-                                         all(find_format(of.format)->aspects)};
-      VK(*this, CmdPipelineBarrier)
-      (cb, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1, &barrier);
-    });
+    to_general(image, of.format);
     return image;
   }
 

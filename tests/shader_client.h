@@ -78,9 +78,13 @@ class ShaderClient : public PipelineClient {
     const VkImage color = image(kTargetFormat, {kTargetSize, kTargetSize, 1}, 1, 1, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
     const VkFramebuffer frame = framebuffer(pass, {view(color, kTargetFormat)}, extent);
     VkPipeline pipeline = VK_NULL_HANDLE;
-    const VkResult result = graphics_pipeline(
-        {.layout = layout_, .pass = pass, .vertex = module(vertex), .fragment = module(fragment), .topology = topology},
-        &pipeline);
+    const VkResult result = graphics_pipeline({.layout = layout_,
+                                               .pass = pass,
+                                               .vertex = module(vertex),
+                                               .fragment = module(fragment),
+                                               .topology = topology,
+                                               .reads_vertices = false},
+                                              &pipeline);
     if (result != VK_SUCCESS) return result;
     const Buffer out = buffer(kTargetSize * kTargetSize * 16);
     run([&](VkCommandBuffer cb) {
