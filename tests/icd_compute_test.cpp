@@ -177,9 +177,11 @@ TEST(IcdCompute, StorageImages) {
     const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, {kWidth, kHeight, 1}};
     const VkBufferImageCopy download{0, 0, 0, color_layers(), {}, {kHeight, kWidth, 1}};
     VK(client, CmdCopyBufferToImage)(cb, in.handle, source, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+    client.barrier(cb);
     VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
     VK(client, CmdDispatch)(cb, 2, 3, 1);
+    client.barrier(cb);
     VK(client, CmdCopyImageToBuffer)(cb, destination, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
   });
   for (uint32_t y = 0; y < kHeight; ++y) {

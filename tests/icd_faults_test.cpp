@@ -370,6 +370,7 @@ TEST(IcdFaults, DestructionInAnyOrder) {
     VK(client, CmdBindPipeline)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     VK(client, CmdBindDescriptorSets)(cb, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set, 0, nullptr);
     VK(client, CmdFillBuffer)(cb, buffer, 0, 4, 1);  // the shader's loop ends at once
+    client.barrier(cb);
     VK(client, CmdDispatch)(cb, 1, 1, 1);
     EXPECT_EQ(VK(client, EndCommandBuffer)(cb), VK_SUCCESS);
     EXPECT_EQ(client.submit(cb, fence), VK_SUCCESS);

@@ -87,6 +87,7 @@ TEST(IcdImageKinds, BlocksAreCopiedAsTexels) {
   client.run([&](VkCommandBuffer cb) {
     const VkBufferImageCopy region{0, 0, 0, color_layers(), {}, {columns, rows, 1}};
     VK(client, CmdCopyBufferToImage)(cb, in.handle, texels, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
+    client.barrier(cb);
     const VkImageCopy to_blocks{color_layers(), {}, color_layers(), {}, {columns, rows, 1}};
     VK(client, CmdCopyImage)(cb, texels, VK_IMAGE_LAYOUT_GENERAL, compressed, VK_IMAGE_LAYOUT_GENERAL, 1, &to_blocks);
   });
@@ -98,8 +99,10 @@ TEST(IcdImageKinds, BlocksAreCopiedAsTexels) {
     const VkClearColorValue zero{};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     VK(client, CmdClearColorImage)(cb, texels, VK_IMAGE_LAYOUT_GENERAL, &zero, 1, &all);
+    client.barrier(cb);
     const VkImageCopy to_texels{color_layers(), {}, color_layers(), {}, kExtent};
     VK(client, CmdCopyImage)(cb, compressed, VK_IMAGE_LAYOUT_GENERAL, texels, VK_IMAGE_LAYOUT_GENERAL, 1, &to_texels);
+    client.barrier(cb);
     const VkBufferImageCopy region{0, 0, 0, color_layers(), {}, {columns, rows, 1}};
     VK(client, CmdCopyImageToBuffer)(cb, texels, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &region);
   });

@@ -112,6 +112,9 @@ TEST(IcdMemory, TransientAttachmentsAreDrawnToInLazyMemory) {
   pass_info.pAttachments = attachments;
   pass_info.subpassCount = 1;
   pass_info.pSubpasses = &subpass;
+  const std::vector<VkSubpassDependency> dependencies = dependencies_of(1);
+  pass_info.dependencyCount = static_cast<uint32_t>(dependencies.size());
+  pass_info.pDependencies = dependencies.data();
   VkRenderPass pass = VK_NULL_HANDLE;
   ASSERT_EQ(VK(client, CreateRenderPass)(client.device, &pass_info, nullptr, &pass), VK_SUCCESS);
   client.defer([&] { VK(client, DestroyRenderPass)(client.device, pass, nullptr); });
@@ -203,6 +206,7 @@ TEST(IcdMemory, ManyResourcesShareAnAllocation) {
         VK(client, CmdClearColorImage)(cb, resource.image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
       }
     }
+    client.barrier(cb);
     for (uint32_t i = 0; i < kCount; ++i) {
       const Resource& resource = resources[i];
       if (resource.buffer) {
@@ -247,9 +251,11 @@ TEST(IcdMemory, AliasesSeeTheSameBytes) {
     const VkClearColorValue color{{0, 1, 1, 0}};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     VK(client, CmdClearColorImage)(cb, images[0], VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
+    client.barrier(cb);
     const VkBufferImageCopy copy{0, 0, 0, color_layers(), {}, {64, 64, 1}};
     VK(client, CmdCopyImageToBuffer)(cb, images[1], VK_IMAGE_LAYOUT_GENERAL, read.handle, 1, &copy);
     VK(client, CmdFillBuffer)(cb, buffers[0], 0, 16384, 0xABCD1234);
+    client.barrier(cb);
     const VkBufferCopy move{0, 16384, 16384};
     VK(client, CmdCopyBuffer)(cb, buffers[1], buffers[0], 1, &move);
   });

@@ -107,11 +107,7 @@ struct ViewsFixture {
       info.pAttachments = &attachment;
       info.subpassCount = 2;
       info.pSubpasses = subpasses;
-      std::vector<VkSubpassDependency2> second_dependencies;
-      for (const VkSubpassDependency& d : dependencies) {
-        second_dependencies.push_back({VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2, nullptr, d.srcSubpass, d.dstSubpass,
-                                       d.srcStageMask, d.dstStageMask, d.srcAccessMask, d.dstAccessMask, d.dependencyFlags, 0});
-      }
+      const std::vector<VkSubpassDependency2> second_dependencies = dependencies2_of(2);
       info.dependencyCount = static_cast<uint32_t>(second_dependencies.size());
       info.pDependencies = second_dependencies.data();
       EXPECT_EQ(VK(client, CreateRenderPass2KHR)(client.device, &info, nullptr, &out), VK_SUCCESS);

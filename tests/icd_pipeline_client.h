@@ -23,6 +23,16 @@ inline std::vector<VkSubpassDependency> dependencies_of(uint32_t subpasses) {
   return out;
 }
 
+// The same for the second version of the command.
+inline std::vector<VkSubpassDependency2> dependencies2_of(uint32_t subpasses) {
+  std::vector<VkSubpassDependency2> out;
+  for (const VkSubpassDependency& d : dependencies_of(subpasses)) {
+    out.push_back({VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2, nullptr, d.srcSubpass, d.dstSubpass, d.srcStageMask, d.dstStageMask,
+                   d.srcAccessMask, d.dstAccessMask, d.dependencyFlags, 0});
+  }
+  return out;
+}
+
 class PipelineClient : public Client {
  public:
   using Client::Client;

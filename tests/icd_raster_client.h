@@ -38,6 +38,9 @@ class RasterClient : public PipelineClient {
     create.pAttachments = attachments_.data();
     create.subpassCount = 1;
     create.pSubpasses = &subpass;
+    const std::vector<VkSubpassDependency2> dependencies = dependencies2_of(1);
+    create.dependencyCount = static_cast<uint32_t>(dependencies.size());
+    create.pDependencies = dependencies.data();
     EXPECT_EQ(VK(*this, CreateRenderPass2KHR)(device, &create, nullptr, &pass), VK_SUCCESS);
     defer([this] { VK(*this, DestroyRenderPass)(device, pass, nullptr); });
     VkFramebufferCreateInfo frame_info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};

@@ -81,13 +81,16 @@ class SampleClient : public PipelineClient {
     subpass.pColorAttachments = &color_reference;
     subpass.pResolveAttachments = &resolve_reference;
     subpass.pDepthStencilAttachment = &depth_reference;
+    const std::vector<VkSubpassDependency> dependencies = dependencies_of(1);
     const VkRenderPassCreateInfo create{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                         nullptr,
                                         0,
                                         static_cast<uint32_t>(descriptions.size()),
                                         descriptions.data(),
                                         1,
-                                        &subpass};
+                                        &subpass,
+                                        static_cast<uint32_t>(dependencies.size()),
+                                        dependencies.data()};
     EXPECT_EQ(VK(*this, CreateRenderPass)(device, &create, nullptr, &pass), VK_SUCCESS);
     defer([this] { VK(*this, DestroyRenderPass)(device, pass, nullptr); });
     frame = framebuffer(pass, views, {kSize, kSize});
@@ -187,6 +190,7 @@ TEST(IcdSamples, TriangleResolvesToItsExactCoverage) {
         if (!in_pass) {
           const VkImageResolve region{color_layers(), {}, color_layers(), {}, {kSize, kSize, 1}};
           VK(client, CmdResolveImage)(cb, client.color, VK_IMAGE_LAYOUT_GENERAL, copied, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
+          client.barrier(cb);
         }
         client.download(cb, in_pass ? client.resolved : copied);
       });

@@ -58,6 +58,7 @@ TEST(IcdEvent, HostReleasesASubmission) {
   VK(client, CmdWaitEvents)
   (first, 1, &event, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, nullptr, 0, nullptr, 0, nullptr);
   VK(client, CmdFillBuffer)(first, buffer.handle, 0, 4, 1);
+  client.barrier(first);
   VK(client, CmdResetEvent)(first, event, VK_PIPELINE_STAGE_TRANSFER_BIT);
   EXPECT_EQ(VK(client, EndCommandBuffer)(first), VK_SUCCESS);
   client.begin(second);
@@ -128,7 +129,9 @@ TEST(IcdCommandBuffer, SecondaryAndSimultaneousUse) {
   EXPECT_EQ(VK(client, EndCommandBuffer)(secondary), VK_SUCCESS);
   client.run([&](VkCommandBuffer cb) {
     VK(client, CmdFillBuffer)(cb, buffer.handle, 0, 4, 41);
+    client.barrier(cb);
     VK(client, CmdExecuteCommands)(cb, 1, &secondary);
+    client.barrier(cb);
     VK(client, CmdFillBuffer)(cb, buffer.handle, 0, 4, 42);
   });
   EXPECT_EQ(buffer.as<uint32_t>()[1], 41u);

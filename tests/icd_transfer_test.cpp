@@ -53,6 +53,7 @@ TEST(IcdTransfer, BufferCopyFillAndUpdate) {
   client.run([&](VkCommandBuffer cb) {
     const VkBufferCopy regions[] = {{0, 512, 100}, {700, 0, 17}};
     VK(client, CmdCopyBuffer)(cb, source.handle, destination.handle, 2, regions);
+    client.barrier(cb);
     VK(client, CmdFillBuffer)(cb, destination.handle, 800, VK_WHOLE_SIZE, 0xDEADBEEF);
     VK(client, CmdUpdateBuffer)(cb, destination.handle, 200, sizeof(update), update);
   });
@@ -79,9 +80,11 @@ TEST(IcdTransfer, ImagesKeepTheirTexels) {
     client.run([&](VkCommandBuffer cb) {
       VkBufferImageCopy upload{0, kRowLength, kImageHeight, color_layers(1, 0, kLayers), {5, 3, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyBufferToImage)(cb, in.handle, first, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+      client.barrier(cb);
       const VkImageCopy copy{
           color_layers(1, 0, kLayers), {5, 3, 0}, color_layers(0, 1, kLayers), {20, 30, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyImage)(cb, first, VK_IMAGE_LAYOUT_GENERAL, second, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+      client.barrier(cb);
       VkBufferImageCopy download{0, kRowLength, kImageHeight, color_layers(0, 1, kLayers), {20, 30, 0}, {kWidth, kHeight, 1}};
       VK(client, CmdCopyImageToBuffer)(cb, second, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
     });
@@ -103,6 +106,7 @@ TEST(IcdTransfer, VolumesCopySliceBySlice) {
   client.run([&](VkCommandBuffer cb) {
     const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, {8, 4, 6}};
     VK(client, CmdCopyBufferToImage)(cb, in.handle, volume, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+    client.barrier(cb);
     const VkBufferImageCopy download{0, 0, 0, color_layers(), {0, 0, 3}, {8, 4, 2}};
     VK(client, CmdCopyImageToBuffer)(cb, volume, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
   });
@@ -141,6 +145,7 @@ TEST(IcdTransfer, DepthClear) {
     const VkClearDepthStencilValue value{0.25f, 0};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1};
     VK(client, CmdClearDepthStencilImage)(cb, image, VK_IMAGE_LAYOUT_GENERAL, &value, 1, &range);
+    client.barrier(cb);
     const VkBufferImageCopy region{0, 0, 0, {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}, {}, {4, 4, 1}};
     VK(client, CmdCopyImageToBuffer)(cb, image, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &region);
   });
@@ -164,7 +169,9 @@ TEST(IcdTransfer, RegionsOutsideAreDropped) {
         late{128, 0, 0, color_layers(), {}, {8, 8, 1}}, negative{0, 0, 0, color_layers(), {-1, 0, 0}, {8, 8, 1}};
     for (const auto& region : {wide, deep, late, negative}) {
       VK(client, CmdCopyImageToBuffer)(cb, image, VK_IMAGE_LAYOUT_GENERAL, buffer.handle, 1, &region);
+      client.barrier(cb);
       VK(client, CmdCopyBufferToImage)(cb, buffer.handle, image, VK_IMAGE_LAYOUT_GENERAL, 1, &region);
+      client.barrier(cb);
     }
     const VkBufferCopy beyond{0, 250, 100};
     VK(client, CmdCopyBuffer)(cb, client.buffer(256).handle, buffer.handle, 1, &beyond);
@@ -181,12 +188,14 @@ struct BlitFixture {
     client.run([&](VkCommandBuffer cb) {
       const VkBufferImageCopy upload{0, 0, 0, color_layers(), {}, from}, download{0, 0, 0, color_layers(), {}, to};
       VK(client, CmdCopyBufferToImage)(cb, in.handle, source, VK_IMAGE_LAYOUT_GENERAL, 1, &upload);
+      client.barrier(cb);
       VkImageBlit region{color_layers(),
                          {{}, {int32_t(from.width), int32_t(from.height), 1}},
                          color_layers(),
                          {{}, {int32_t(to.width), int32_t(to.height), 1}}};
       if (mirror) std::swap(region.dstOffsets[0].x, region.dstOffsets[1].x);
       VK(client, CmdBlitImage)(cb, source, VK_IMAGE_LAYOUT_GENERAL, destination, VK_IMAGE_LAYOUT_GENERAL, 1, &region, filter);
+      client.barrier(cb);
       VK(client, CmdCopyImageToBuffer)(cb, destination, VK_IMAGE_LAYOUT_GENERAL, out.handle, 1, &download);
     });
   }
@@ -260,9 +269,12 @@ TEST(IcdBlit, EveryFormatSurvivesTheRoundTrip) {
     client.run([&](VkCommandBuffer cb) {
       const VkBufferImageCopy whole{0, 0, 0, color_layers(), {}, {16, 8, 1}};
       VK(client, CmdCopyBufferToImage)(cb, fixture.in.handle, a, VK_IMAGE_LAYOUT_GENERAL, 1, &whole);
+      client.barrier(cb);
       const VkImageBlit region{color_layers(), {{}, {16, 8, 1}}, color_layers(), {{}, {16, 8, 1}}};
       VK(client, CmdBlitImage)(cb, a, VK_IMAGE_LAYOUT_GENERAL, b, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_NEAREST);
+      client.barrier(cb);
       VK(client, CmdBlitImage)(cb, b, VK_IMAGE_LAYOUT_GENERAL, c, VK_IMAGE_LAYOUT_GENERAL, 1, &region, VK_FILTER_NEAREST);
+      client.barrier(cb);
       VK(client, CmdCopyImageToBuffer)(cb, c, VK_IMAGE_LAYOUT_GENERAL, fixture.out.handle, 1, &whole);
     });
     VkMemoryRequirements requirements;
