@@ -287,13 +287,19 @@ Outcome attachment_ends(ExtremeRig& rig) {
                                   0.5f,       1,      2,  1e30f, kInfinity, 254.75f / 255};
   const std::vector<std::byte> unorm = store(rig, VK_FORMAT_R8G8B8A8_UNORM, 4, values);
   size_t differing = 0;
-  for (size_t i = 0; i < values.size(); ++i) differing += !is_rounded(static_cast<uint8_t>(unorm[4 * i]), values[i], 0, 255);
+  std::string which;
+  const auto take = [&](const char* format, int code, float value, double low, double largest_code) {
+    if (is_rounded(code, value, low, largest_code)) return;
+    ++differing;
+    which += fmt::format("{} {:g} became {} in {}", which.empty() ? ":" : ";", value, code, format);
+  };
+  for (size_t i = 0; i < values.size(); ++i) take("UNORM", static_cast<uint8_t>(unorm[4 * i]), values[i], 0, 255);
   if (rig.has_format(VK_FORMAT_R8G8B8A8_SNORM, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT)) {
     const std::vector<std::byte> snorm = store(rig, VK_FORMAT_R8G8B8A8_SNORM, 4, values);
-    for (size_t i = 0; i < values.size(); ++i) differing += !is_rounded(static_cast<int8_t>(snorm[4 * i]), values[i], -1, 127);
+    for (size_t i = 0; i < values.size(); ++i) take("SNORM", static_cast<int8_t>(snorm[4 * i]), values[i], -1, 127);
   }
   return {.verdict = differing ? Verdict::kWrong : Verdict::kExact,
-          .measured = fmt::format("{} codes differ", differing),
+          .measured = fmt::format("{} codes differ{}", differing, which),
           .truth = "clamped, then to nearest",
           .bytes = bytes_of(unorm)};
 }

@@ -123,13 +123,20 @@ Outcome lod(ExtremeRig& rig) {
       rig.compute_as<float>(extreme_lod_comp, gradients, gradients.size(), static_cast<uint32_t>(gradients.size()), &bound);
   const double step = 1.0 / (1u << rig.limits().mipmapPrecisionBits);
   Worst worst;
+  size_t first_wrong = levels.size();
   for (size_t i = 0; i < levels.size(); ++i) {
     const double longer = std::max(std::abs(double{gradients[i][0]}), std::abs(double{gradients[i][3]}));
     const double truth = std::clamp(std::log2(longer * (1 << (kLevels - 1))), 0.0, kLevels - 1.0);
     worst.take(std::abs(levels[i] - truth), step);
+    if (!(std::abs(levels[i] - truth) <= step)) first_wrong = std::min(first_wrong, i);
+  }
+  std::string measured = fmt::format("largest error {:.2e} levels", worst.error);
+  if (first_wrong < levels.size()) {
+    measured += fmt::format("; level {:g} for gradients of {:g} and {:g}", levels[first_wrong], gradients[first_wrong][0],
+                            gradients[first_wrong][3]);
   }
   return {.verdict = worst.verdict(),
-          .measured = fmt::format("largest error {:.2e} levels", worst.error),
+          .measured = measured,
           .truth = "log2 of the longer gradient in texels, clamped to the levels there are",
           .bound = fmt::format("{:.2e} (mipmapPrecisionBits)", step),
           .bytes = bytes_of(levels)};
