@@ -10,6 +10,7 @@
 #include <span>
 
 #include "compiler/ir/builder.h"
+#include "compiler/ir/random.h"
 
 namespace pineda::ir {
 namespace {
@@ -22,27 +23,6 @@ constexpr uint32_t kSlotBytes = 8 * kLanes;
 constexpr uint32_t kScratch = kFinalValues * kSlotBytes;
 constexpr uint32_t kScratchBytes = kWindowBytes - kScratch;
 constexpr uint32_t kMaxDepth = 3;
-
-// Sebastiano Vigna's SplitMix64: the same sequence everywhere, unlike the standard distributions.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  uint64_t next() {
-    uint64_t z = state_ += 0x9E3779B97F4A7C15ull;
-    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ z >> 27) * 0x94D049BB133111EBull;
-    return z ^ z >> 31;
-  }
-  uint32_t below(uint32_t n) { return static_cast<uint32_t>((next() >> 32) * n >> 32); }
-  bool one_in(uint32_t n) { return below(n) == 0; }
-  template <typename Table>
-  auto pick(const Table& table) {
-    return std::data(table)[below(static_cast<uint32_t>(std::size(table)))];
-  }
-
- private:
-  uint64_t state_;
-};
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kSpecialFloats[] = {0.0,

@@ -1,4 +1,6 @@
 // Blending: every factor pair and operation against the specification's equations in double precision.
+#include "cts-subset/reference/blend.h"
+
 #include <bit>
 #include <cmath>
 
@@ -27,67 +29,13 @@ Color clamped(const FormatInfo& format, Color c) {
 // The second source of dual-source blending, from the first.
 Color second_source(const Color& s) { return {s[1] * 0.5, s[2] * 0.5, s[3] * 0.5, s[0] * 0.5}; }
 
-double factor(VkBlendFactor f, uint32_t c, const Color& s, const Color& s1, const Color& d, const Color& k) {
-  switch (f) {
-    case VK_BLEND_FACTOR_ZERO:
-      return 0;
-    case VK_BLEND_FACTOR_ONE:
-      return 1;
-    case VK_BLEND_FACTOR_SRC_COLOR:
-      return s[c];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR:
-      return 1 - s[c];
-    case VK_BLEND_FACTOR_DST_COLOR:
-      return d[c];
-    case VK_BLEND_FACTOR_ONE_MINUS_DST_COLOR:
-      return 1 - d[c];
-    case VK_BLEND_FACTOR_SRC_ALPHA:
-      return s[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA:
-      return 1 - s[3];
-    case VK_BLEND_FACTOR_DST_ALPHA:
-      return d[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA:
-      return 1 - d[3];
-    case VK_BLEND_FACTOR_CONSTANT_COLOR:
-      return k[c];
-    case VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_COLOR:
-      return 1 - k[c];
-    case VK_BLEND_FACTOR_CONSTANT_ALPHA:
-      return k[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_ALPHA:
-      return 1 - k[3];
-    case VK_BLEND_FACTOR_SRC1_COLOR:
-      return s1[c];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC1_COLOR:
-      return 1 - s1[c];
-    case VK_BLEND_FACTOR_SRC1_ALPHA:
-      return s1[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC1_ALPHA:
-      return 1 - s1[3];
-    default:
-      return c == 3 ? 1 : std::min(s[3], 1 - d[3]);
-  }
-}
-
 double blend_reference(const FormatInfo& format, const BlendState& state, uint32_t c, const Color& s, const Color& s1,
                        const Color& d, const Color& k) {
   const auto in_range = [&](double f) { return format.is_float() ? f : std::clamp(f, lowest(format), 1.0); };
   const VkBlendOp op = c == 3 ? state.alpha_op : state.color_op;
-  const double sf = in_range(factor(c == 3 ? state.src_alpha : state.src_color, c, s, s1, d, k));
-  const double df = in_range(factor(c == 3 ? state.dst_alpha : state.dst_color, c, s, s1, d, k));
-  switch (op) {
-    case VK_BLEND_OP_ADD:
-      return s[c] * sf + d[c] * df;
-    case VK_BLEND_OP_SUBTRACT:
-      return s[c] * sf - d[c] * df;
-    case VK_BLEND_OP_REVERSE_SUBTRACT:
-      return d[c] * df - s[c] * sf;
-    case VK_BLEND_OP_MIN:
-      return std::min(s[c], d[c]);
-    default:
-      return std::max(s[c], d[c]);
-  }
+  const auto factor = [&](VkBlendFactor f) { return in_range(cts::blend_factor(f, c, s, s1, d, k)); };
+  return cts::blended(op, s[c], factor(c == 3 ? state.src_alpha : state.src_color), d[c],
+                      factor(c == 3 ? state.dst_alpha : state.dst_color));
 }
 
 // A component's distance from its reference, in codes (fixed point) or relative to the terms' size (float formats).

@@ -2,26 +2,10 @@
 
 #include <cmath>
 
+#include "cts-subset/reference/wrapping.h"
+
 namespace pineda::kernels::test {
 namespace {
-
-// Section 16.8.1 "Wrapping Operation": -1 for the border.
-int wrap(VkSamplerAddressMode mode, int i, int size) {
-  const auto mirror = [](int n) { return n >= 0 ? n : -(1 + n); };
-  const auto mod = [](int a, int n) { return (a % n + n) % n; };
-  switch (mode) {
-    case VK_SAMPLER_ADDRESS_MODE_REPEAT:
-      return mod(i, size);
-    case VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT:
-      return size - 1 - mirror(mod(i, 2 * size) - size);
-    case VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE:
-      return std::clamp(i, 0, size - 1);
-    case VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER:
-      return i < 0 || i >= size ? -1 : i;
-    default:
-      return std::clamp(mirror(i), 0, size - 1);
-  }
-}
 
 using Point = std::array<double, 3>;
 
@@ -132,7 +116,7 @@ double SpecSampler::outcome(double texel) const {
 double SpecSampler::tap(const std::array<int, 3>& index, uint32_t layer, uint32_t level, uint32_t c) const {
   std::array<int, 3> at{};
   for (uint32_t a = 0; a < axes(); ++a) {
-    at[a] = wrap(state_.address[a], index[a], image_.size(a, level));
+    at[a] = cts::wrapped(state_.address[a], index[a], image_.size(a, level));
     if (at[a] < 0) return outcome(border(c));
   }
   return outcome(image_.texel(at[0], at[1], at[2], layer, level, c));

@@ -7,6 +7,7 @@
 
 #include "base/half.h"
 #include "compiler/kernels/test_rig.h"
+#include "cts-subset/reference/wrapping.h"
 
 namespace pineda::kernels::test {
 namespace {
@@ -75,24 +76,6 @@ double number(const FormatInfo& format, uint32_t bits) {
 
 // ---- the reference --------------------------------------------------------------------------------------------------------
 
-// Section 16.8.1 "Wrapping Operation": -1 for the border.
-int wrap(VkSamplerAddressMode mode, int i, int size) {
-  const auto mirror = [](int n) { return n >= 0 ? n : -(1 + n); };
-  const auto mod = [](int a, int n) { return (a % n + n) % n; };
-  switch (mode) {
-    case VK_SAMPLER_ADDRESS_MODE_REPEAT:
-      return mod(i, size);
-    case VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT:
-      return size - 1 - mirror(mod(i, 2 * size) - size);
-    case VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE:
-      return std::clamp(i, 0, size - 1);
-    case VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER:
-      return i < 0 || i >= size ? -1 : i;
-    default:
-      return std::clamp(mirror(i), 0, size - 1);
-  }
-}
-
 struct Reference {
   const Image& image;
   const TextureState& state;
@@ -103,8 +86,8 @@ struct Reference {
   double depth_reference = 0;
 
   double tap(int i, int j, uint32_t level, uint32_t c) const {
-    const int x = wrap(state.address[0], i, static_cast<int>(image.level_width(level)));
-    const int y = wrap(state.address[1], j, static_cast<int>(image.level_height(level)));
+    const int x = cts::wrapped(state.address[0], i, static_cast<int>(image.level_width(level)));
+    const int y = cts::wrapped(state.address[1], j, static_cast<int>(image.level_height(level)));
     const bool absent = image.format.component[c].bits == 0;
     const double value = !absent && (x < 0 || y < 0) ? image.descriptor.border[c]
                          : absent                    ? (c == 3 ? 1.0 : 0.0)

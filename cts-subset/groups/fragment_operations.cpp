@@ -43,20 +43,22 @@ void run_scissor(Device& device, const VkRect2D& scissor) {
   }
 }
 
+Image create_attachment(Device& device, VkFormat format, VkImageUsageFlags usage) {
+  ImageDesc desc;
+  desc.format = format;
+  desc.extent = {kSize, kSize, 1};
+  desc.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | usage;
+  return create_image(device, desc);
+}
+
 struct EarlyCase {
   bool early, passes, discards;
 };
 // A counter in the shader tells whether it ran for fragments that fail the depth test, and a discarded one keeps its depth.
 void run_early_tests(Device& device, const EarlyCase& c) {
   require(device.caps().features.fragmentStoresAndAtomics, "fragmentStoresAndAtomics");
-  ImageDesc desc;
-  desc.format = VK_FORMAT_R32_UINT;
-  desc.extent = {kSize, kSize, 1};
-  desc.usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-  const Image colour = create_image(device, desc);
-  desc.format = VK_FORMAT_D16_UNORM;
-  desc.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  const Image depth = create_image(device, desc);
+  const Image colour = create_attachment(device, VK_FORMAT_R32_UINT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+  const Image depth = create_attachment(device, VK_FORMAT_D16_UNORM, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
   const Buffer counter = create_buffer(device, 4);
   Target target;
   target.colours.push_back({&colour, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
@@ -99,14 +101,8 @@ void run_frag_depth(Device& device, const char* qualifier, VkFormat format, VkCo
     v = static_cast<float>(same ? 0.5 : greater ? 0.5 + u / 2 : less ? u / 2 : u);
   }
   const Buffer buffer = create_buffer(device, values);
-  ImageDesc desc;
-  desc.format = VK_FORMAT_R32_UINT;
-  desc.extent = {kSize, kSize, 1};
-  desc.usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-  const Image colour = create_image(device, desc);
-  desc.format = format;
-  desc.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  const Image depth = create_image(device, desc);
+  const Image colour = create_attachment(device, VK_FORMAT_R32_UINT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+  const Image depth = create_attachment(device, format, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
   Target target;
   target.colours.push_back({&colour, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   target.depth_stencil = Attachment{&depth, VK_ATTACHMENT_LOAD_OP_CLEAR, {.depthStencil = {0.625f, 0}}};

@@ -8,6 +8,7 @@
 #include "cts-subset/groups/groups.h"
 #include "cts-subset/harness/case.h"
 #include "cts-subset/harness/pipelines.h"
+#include "cts-subset/reference/blend.h"
 #include "cts-subset/reference/compare.h"
 #include "cts-subset/reference/random.h"
 
@@ -78,64 +79,6 @@ Spirv source_shader(bool dual) {
                           stores + "}");
 }
 
-double factor_value(VkBlendFactor factor, size_t channel, const Colour& s, const Colour& s1, const Colour& d, const Colour& c) {
-  switch (factor) {
-    case VK_BLEND_FACTOR_ZERO:
-      return 0;
-    case VK_BLEND_FACTOR_ONE:
-      return 1;
-    case VK_BLEND_FACTOR_SRC_COLOR:
-      return s[channel];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR:
-      return 1 - s[channel];
-    case VK_BLEND_FACTOR_DST_COLOR:
-      return d[channel];
-    case VK_BLEND_FACTOR_ONE_MINUS_DST_COLOR:
-      return 1 - d[channel];
-    case VK_BLEND_FACTOR_SRC_ALPHA:
-      return s[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA:
-      return 1 - s[3];
-    case VK_BLEND_FACTOR_DST_ALPHA:
-      return d[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA:
-      return 1 - d[3];
-    case VK_BLEND_FACTOR_CONSTANT_COLOR:
-      return c[channel];
-    case VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_COLOR:
-      return 1 - c[channel];
-    case VK_BLEND_FACTOR_CONSTANT_ALPHA:
-      return c[3];
-    case VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_ALPHA:
-      return 1 - c[3];
-    case VK_BLEND_FACTOR_SRC_ALPHA_SATURATE:
-      return channel == 3 ? 1 : std::min(s[3], 1 - d[3]);
-    case VK_BLEND_FACTOR_SRC1_COLOR:
-      return s1[channel];
-    case VK_BLEND_FACTOR_ONE_MINUS_SRC1_COLOR:
-      return 1 - s1[channel];
-    case VK_BLEND_FACTOR_SRC1_ALPHA:
-      return s1[3];
-    default:
-      return 1 - s1[3];
-  }
-}
-
-double blend(VkBlendOp op, double s, double fs, double d, double fd) {
-  switch (op) {
-    case VK_BLEND_OP_ADD:
-      return s * fs + d * fd;
-    case VK_BLEND_OP_SUBTRACT:
-      return s * fs - d * fd;
-    case VK_BLEND_OP_REVERSE_SUBTRACT:
-      return d * fd - s * fs;
-    case VK_BLEND_OP_MIN:
-      return std::min(s, d);
-    default:
-      return std::max(s, d);
-  }
-}
-
 struct Equation {
   Factor source, destination;
   Operation operation;
@@ -189,7 +132,7 @@ void run(Device& device, const FormatInfo& info, const Equation& equation) {
   // "the components of the source and destination values and blend factors are each clamped" for fixed-point attachments
   const Channel& channel = info.channels.front();
   const auto factor = [&](const Factor& f, size_t c, const Colour& s, const Colour& s1, const Colour& d) {
-    const double value = factor_value(f.value, c, s, s1, d, constants);
+    const double value = blend_factor(f.value, c, s, s1, d, constants);
     return channel.numeric == Numeric::kSfloat || channel.numeric == Numeric::kUfloat ? value : clamp_to(channel, value);
   };
   for (uint32_t i = 0; i < kSize * kSize; ++i) {
@@ -199,8 +142,8 @@ void run(Device& device, const FormatInfo& info, const Equation& equation) {
     for (size_t c = 0; c < 4; ++c) {
       const Factor& fs = c == 3 ? equation.source_alpha : equation.source;
       const Factor& fd = c == 3 ? equation.destination_alpha : equation.destination;
-      want[c] = blend((c == 3 ? equation.operation_alpha : equation.operation).value, s[c], factor(fs, c, s, s1, d), d[c],
-                      factor(fd, c, s, s1, d));
+      want[c] = blended((c == 3 ? equation.operation_alpha : equation.operation).value, s[c], factor(fs, c, s, s1, d), d[c],
+                        factor(fd, c, s, s1, d));
     }
     // One step for the conversion, one for computing at no more than the destination's precision.
     expect_colour(info, result.data() + i * info.bytes, want, 2, fmt::format("pixel {}, {}", i % kSize, i / kSize), 2);

@@ -12,6 +12,13 @@ namespace {
 
 constexpr uint32_t kSize = 32;
 
+ImageDesc colour_desc() {
+  ImageDesc desc;
+  desc.extent = {kSize, kSize, 1};
+  desc.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  return desc;
+}
+
 // A rectangle of whole pixels, at depth z.
 DrawState rectangle(uint32_t width, uint32_t height, float z) {
   DrawState state;
@@ -38,10 +45,8 @@ struct OcclusionCase {
 void run_occlusion(Device& device, const OcclusionCase& c) {
   require(!c.precise || device.caps().features.occlusionQueryPrecise, "occlusionQueryPrecise");
   require(device.limits().framebufferColorSampleCounts & c.samples, "sample count");
-  ImageDesc desc;
-  desc.extent = {kSize, kSize, 1};
+  ImageDesc desc = colour_desc();
   desc.samples = c.samples;
-  desc.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   const Image colour = create_image(device, desc);
   desc.format = VK_FORMAT_D16_UNORM;
   desc.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
@@ -82,10 +87,7 @@ void run_occlusion(Device& device, const OcclusionCase& c) {
 void run_copy(Device& device, VkQueryResultFlags flags, VkDeviceSize stride) {
   const QueryPool pool = create_query_pool(device, VK_QUERY_TYPE_OCCLUSION, 3);
   const Buffer out = create_buffer(device, 256, kAnyBuffer, 0xEE);
-  ImageDesc desc;
-  desc.extent = {kSize, kSize, 1};
-  desc.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-  const Image colour = create_image(device, desc);
+  const Image colour = create_image(device, colour_desc());
   Target target;
   target.colours.push_back({&colour, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   Pass pass(device, target);
@@ -132,10 +134,7 @@ constexpr Statistic kStatistics[] = {
 void run_statistic(Device& device, const Statistic& statistic) {
   require(device.caps().features.pipelineStatisticsQuery, "pipelineStatisticsQuery");
   const QueryPool pool = create_query_pool(device, VK_QUERY_TYPE_PIPELINE_STATISTICS, 1, statistic.bit);
-  ImageDesc desc;
-  desc.extent = {kSize, kSize, 1};
-  desc.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-  const Image colour = create_image(device, desc);
+  const Image colour = create_image(device, colour_desc());
   Target target;
   target.colours.push_back({&colour, VK_ATTACHMENT_LOAD_OP_CLEAR, {}});
   Pass pass(device, target);

@@ -33,24 +33,22 @@ struct Surface {
   Surface(const Surface&) = delete;
 };
 
-std::vector<VkSurfaceFormatKHR> formats_of(Device& device, const Surface& surface) {
+template <typename T>
+std::vector<T> all_of(Device& device, const Surface& surface, VkResult (*query)(VkPhysicalDevice, VkSurfaceKHR, uint32_t*, T*),
+                      const char* call) {
   uint32_t count = 0;
-  check(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface.handle, &count, nullptr),
-        "vkGetPhysicalDeviceSurfaceFormatsKHR");
-  std::vector<VkSurfaceFormatKHR> formats(count);
-  check(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface.handle, &count, formats.data()),
-        "vkGetPhysicalDeviceSurfaceFormatsKHR");
-  return formats;
+  check(query(device.physical(), surface.handle, &count, nullptr), call);
+  std::vector<T> all(count);
+  check(query(device.physical(), surface.handle, &count, all.data()), call);
+  return all;
+}
+
+std::vector<VkSurfaceFormatKHR> formats_of(Device& device, const Surface& surface) {
+  return all_of(device, surface, vkGetPhysicalDeviceSurfaceFormatsKHR, "vkGetPhysicalDeviceSurfaceFormatsKHR");
 }
 
 std::vector<VkPresentModeKHR> modes_of(Device& device, const Surface& surface) {
-  uint32_t count = 0;
-  check(vkGetPhysicalDeviceSurfacePresentModesKHR(device.physical(), surface.handle, &count, nullptr),
-        "vkGetPhysicalDeviceSurfacePresentModesKHR");
-  std::vector<VkPresentModeKHR> modes(count);
-  check(vkGetPhysicalDeviceSurfacePresentModesKHR(device.physical(), surface.handle, &count, modes.data()),
-        "vkGetPhysicalDeviceSurfacePresentModesKHR");
-  return modes;
+  return all_of(device, surface, vkGetPhysicalDeviceSurfacePresentModesKHR, "vkGetPhysicalDeviceSurfacePresentModesKHR");
 }
 
 void run_queries(Device& device) {

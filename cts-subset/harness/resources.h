@@ -7,35 +7,15 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cts-subset/harness/case.h"
 #include "cts-subset/harness/device.h"
+#include "tools/vk/handles.h"
 
 namespace pineda::cts {
 
-template <typename Handle, auto kDestroy>
-class Owned {
- public:
-  Owned() = default;
-  Owned(VkDevice device, Handle handle) : device_(device), handle_(handle) {}
-  Owned(Owned&& other) noexcept : device_(other.device_), handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}
-  Owned& operator=(Owned&& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(handle_, other.handle_);
-    return *this;
-  }
-  ~Owned() {
-    if (handle_ != VK_NULL_HANDLE) kDestroy(device_, handle_, nullptr);
-  }
-  Handle get() const { return handle_; }
-  operator Handle() const { return handle_; }
-
- private:
-  VkDevice device_ = VK_NULL_HANDLE;
-  Handle handle_ = VK_NULL_HANDLE;
-};
+using tools::Owned;
 
 // Calls a vkCreate* function and owns what it makes.
 template <typename Handle, auto kDestroy, typename Create, typename Info>

@@ -2,31 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+
+#include "cts-subset/reference/wrapping.h"
 
 namespace pineda::cts {
 namespace {
 
 bool is_cube(Shape shape) { return shape == Shape::kCube || shape == Shape::kCubeArray; }
 int dimensions(Shape shape) { return shape == Shape::k1D || shape == Shape::k1DArray ? 1 : shape == Shape::k3D ? 3 : 2; }
-
-// "Wrapping Operation": the texel's index after the address mode, or nothing for the border.
-std::optional<int> wrap(int i, int size, VkSamplerAddressMode mode) {
-  const auto mirror = [](int n) { return n >= 0 ? n : -(1 + n); };
-  const auto mod = [](int a, int b) { return (a % b + b) % b; };
-  switch (mode) {
-    case VK_SAMPLER_ADDRESS_MODE_REPEAT:
-      return mod(i, size);
-    case VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT:
-      return size - 1 - mirror(mod(i, 2 * size) - size);
-    case VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE:
-      return std::clamp(i, 0, size - 1);
-    case VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE:
-      return std::clamp(mirror(i), 0, size - 1);
-    default:
-      return i >= 0 && i < size ? std::optional<int>(i) : std::nullopt;
-  }
-}
 
 // "Cube Map Face Selection" and "Cube Map Coordinate Transformation"; z wins over y over x where magnitudes are equal.
 FacePoint face_of(double x, double y, double z) {
@@ -106,11 +89,11 @@ struct Fetcher {
 
   Colour operator()(const TextureLevel& level, int layer, int i, int j, int k) const {
     if (is_cube(texture.shape)) return cube_texel(level, layer, i, j);
-    const auto x = wrap(i, level.width, state.address[0]);
-    const auto y = dimensions(texture.shape) > 1 ? wrap(j, level.height, state.address[1]) : 0;
-    const auto z = dimensions(texture.shape) > 2 ? wrap(k, level.depth, state.address[2]) : 0;
-    if (!x || !y || !z) return compared(state.border);
-    return texel(level, layer, *x, *y, *z);
+    const int x = wrapped(state.address[0], i, level.width);
+    const int y = dimensions(texture.shape) > 1 ? wrapped(state.address[1], j, level.height) : 0;
+    const int z = dimensions(texture.shape) > 2 ? wrapped(state.address[2], k, level.depth) : 0;
+    if (x < 0 || y < 0 || z < 0) return compared(state.border);
+    return texel(level, layer, x, y, z);
   }
 
   // "Cube Map Edge Handling": a texel beyond one edge is the neighbouring face's; at a corner, the mean of the three that meet.

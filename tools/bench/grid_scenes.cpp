@@ -5,7 +5,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <vector>
 
 #include "shaders/lit_mesh_frag.h"
@@ -66,30 +65,31 @@ class LitMesh {
     camera.view_projection = glm::translate(glm::mat4(1), glm::vec3(options_.shift_x, 0, 0)) * camera.view_projection;
     view_ = create_buffer(context, std::span(&camera.view_projection, 1), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_SHADER_STAGE_VERTEX_BIT};
-    set_layout_ = create_set_layout(context, {&binding, 1});
-    descriptors_.emplace(context, 1, 1);
-    set_ = descriptors_->allocate(set_layout_);
-    descriptors_->write_buffer(set_, 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, view_);
+    bound_.set_layout = create_set_layout(context, {&binding, 1});
+    bound_.descriptors.emplace(context, 1, 1);
+    bound_.set = bound_.descriptors->allocate(bound_.set_layout);
+    bound_.descriptors->write_buffer(bound_.set, 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, view_);
 
-    const VkDescriptorSetLayout set_layout = set_layout_;
-    layout_ = create_pipeline_layout(context, {&set_layout, 1}, {});
-    pipeline_ = create_graphics_pipeline(context, target,
-                                         {.vertex_shader = lit_mesh_vert,
-                                          .fragment_shader = options_.depth_only ? Spirv{} : Spirv{lit_mesh_frag},
-                                          .vertex_bindings = {{0, sizeof(Vertex), VK_VERTEX_INPUT_RATE_VERTEX}},
-                                          .vertex_attributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, position)},
-                                                                {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, normal)}},
-                                          .depth_test = true,
-                                          .depth_write = true,
-                                          .cull_mode = options_.culled ? VK_CULL_MODE_FRONT_AND_BACK : VK_CULL_MODE_NONE,
-                                          .layout = layout_});
+    const VkDescriptorSetLayout set_layout = bound_.set_layout;
+    bound_.layout = create_pipeline_layout(context, {&set_layout, 1}, {});
+    bound_.pipeline =
+        create_graphics_pipeline(context, target,
+                                 {.vertex_shader = lit_mesh_vert,
+                                  .fragment_shader = options_.depth_only ? Spirv{} : Spirv{lit_mesh_frag},
+                                  .vertex_bindings = {{0, sizeof(Vertex), VK_VERTEX_INPUT_RATE_VERTEX}},
+                                  .vertex_attributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, position)},
+                                                        {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Vertex, normal)}},
+                                  .depth_test = true,
+                                  .depth_write = true,
+                                  .cull_mode = options_.culled ? VK_CULL_MODE_FRONT_AND_BACK : VK_CULL_MODE_NONE,
+                                  .layout = bound_.layout});
   }
 
   void draw(VkCommandBuffer commands) const {
     const VkDeviceSize offset = 0;
     const VkBuffer buffer = vertices_.handle;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.layout, 0, 1, &bound_.set, 0, nullptr);
     vkCmdBindVertexBuffers(commands, 0, 1, &buffer, &offset);
     vkCmdBindIndexBuffer(commands, indices_.handle, 0, VK_INDEX_TYPE_UINT32);
     const uint32_t part = index_count_ / options_.draw_count;
@@ -100,11 +100,7 @@ class LitMesh {
   LitMeshOptions options_;
   uint32_t index_count_ = 0;
   Buffer vertices_, indices_, view_;
-  std::optional<DescriptorAllocator> descriptors_;
-  DescriptorSetLayoutHandle set_layout_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  PipelineLayoutHandle layout_;
-  PipelineHandle pipeline_;
+  BoundPipeline bound_;
 };
 
 class LitMeshScene final : public RenderScene {

@@ -1,7 +1,6 @@
 #include "tools/bench/layer_scenes.h"
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "shaders/layer_flat_frag.h"
@@ -58,25 +57,26 @@ class LayerScene final : public RenderScene {
  protected:
   void create(VkContext& context, const RenderTarget& target) override {
     if (is_textured()) create_texture_set(context);
-    const VkDescriptorSetLayout set_layout = set_layout_;
+    const VkDescriptorSetLayout set_layout = bound_.set_layout;
     const VkPushConstantRange range{kLayerStages, 0, sizeof(Layer)};
-    layout_ = create_pipeline_layout(context, {&set_layout, set_ ? 1u : 0u}, {&range, 1});
-    pipeline_ = create_graphics_pipeline(context, target,
-                                         {.vertex_shader = layer_vert,
-                                          .fragment_shader = fragment_shader_of(kind_),
-                                          .depth_test = kind_ == LayerKind::kLitFrontToBack,
-                                          .depth_write = kind_ == LayerKind::kLitFrontToBack,
-                                          .alpha_blend = kind_ == LayerKind::kBlended,
-                                          .layout = layout_});
+    bound_.layout = create_pipeline_layout(context, {&set_layout, bound_.set ? 1u : 0u}, {&range, 1});
+    bound_.pipeline = create_graphics_pipeline(context, target,
+                                               {.vertex_shader = layer_vert,
+                                                .fragment_shader = fragment_shader_of(kind_),
+                                                .depth_test = kind_ == LayerKind::kLitFrontToBack,
+                                                .depth_write = kind_ == LayerKind::kLitFrontToBack,
+                                                .alpha_blend = kind_ == LayerKind::kBlended,
+                                                .layout = bound_.layout});
   }
 
   void draw(VkCommandBuffer commands) const override {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-    if (set_) vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.pipeline);
+    if (bound_.set)
+      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.layout, 0, 1, &bound_.set, 0, nullptr);
     for (uint32_t i = 0; i < layer_count_; ++i) {
       const float t = static_cast<float>(i + 1) / static_cast<float>(layer_count_ + 1);
       const Layer layer{.colour = {t, 1 - t, 0.5f, 0.5f}, .depth = t, .texture_scale = 1.5f + t};
-      vkCmdPushConstants(commands, layout_, kLayerStages, 0, sizeof layer, &layer);
+      vkCmdPushConstants(commands, bound_.layout, kLayerStages, 0, sizeof layer, &layer);
       vkCmdDraw(commands, 6, 1, 0, 0);
     }
   }
@@ -94,21 +94,17 @@ class LayerScene final : public RenderScene {
                                           kind_ == LayerKind::kTrilinearBc7 ? BlockFormat::kBc7 : BlockFormat::kAstc4x4);
     sampler_ = create_trilinear_sampler(context);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
-    set_layout_ = create_set_layout(context, {&binding, 1});
-    descriptors_.emplace(context, 1, 1);
-    set_ = descriptors_->allocate(set_layout_);
-    descriptors_->write_texture(set_, 0, texture_, sampler_);
+    bound_.set_layout = create_set_layout(context, {&binding, 1});
+    bound_.descriptors.emplace(context, 1, 1);
+    bound_.set = bound_.descriptors->allocate(bound_.set_layout);
+    bound_.descriptors->write_texture(bound_.set, 0, texture_, sampler_);
   }
 
   LayerKind kind_;
   uint32_t layer_count_;
   Image2D texture_;
   SamplerHandle sampler_;
-  std::optional<DescriptorAllocator> descriptors_;
-  DescriptorSetLayoutHandle set_layout_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  PipelineLayoutHandle layout_;
-  PipelineHandle pipeline_;
+  BoundPipeline bound_;
 };
 
 }  // namespace

@@ -9,38 +9,6 @@
 namespace pineda::tools {
 namespace {
 
-VkImageAspectFlags depth_aspects(VkFormat format) {
-  const bool stencil = format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
-  return VK_IMAGE_ASPECT_DEPTH_BIT | (stencil ? VkImageAspectFlags{VK_IMAGE_ASPECT_STENCIL_BIT} : 0u);
-}
-
-Image2D create_depth(VkContext& context, const RigTarget& target) {
-  const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                               .imageType = VK_IMAGE_TYPE_2D,
-                               .format = target.depth,
-                               .extent = {target.extent.width, target.extent.height, 1},
-                               .mipLevels = 1,
-                               .arrayLayers = 1,
-                               .samples = VK_SAMPLE_COUNT_1_BIT,
-                               .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT};
-  VkImage handle = VK_NULL_HANDLE;
-  check(vkCreateImage(context.device(), &info, nullptr, &handle), "vkCreateImage");
-  Image2D image{.handle = {context.device(), handle}, .extent = target.extent};
-  VkMemoryRequirements requirements;
-  vkGetImageMemoryRequirements(context.device(), handle, &requirements);
-  image.memory = allocate(context, requirements, 0);
-  check(vkBindImageMemory(context.device(), handle, image.memory, 0), "vkBindImageMemory");
-  const VkImageViewCreateInfo view_info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                        .image = handle,
-                                        .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                        .format = target.depth,
-                                        .subresourceRange = {depth_aspects(target.depth), 0, 1, 0, 1}};
-  VkImageView view = VK_NULL_HANDLE;
-  check(vkCreateImageView(context.device(), &view_info, nullptr, &view), "vkCreateImageView");
-  image.view = {context.device(), view};
-  return image;
-}
-
 ShaderModuleHandle create_module(VkContext& context, Spirv words) {
   const VkShaderModuleCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
@@ -188,7 +156,9 @@ PipelineHandle ExtremeRig::create_pipeline(const RigTarget& target, VkRenderPass
 std::vector<std::byte> ExtremeRig::draw(const RigTarget& target, std::span<const RigDraw> draws) {
   const Image2D colour = create_image(context_, target.extent, 1, target.colour,
                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-  const Image2D depth = target.depth ? create_depth(context_, target) : Image2D{};
+  const Image2D depth = target.depth
+                            ? create_image(context_, target.extent, 1, target.depth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT)
+                            : Image2D{};
   const RenderPassHandle pass = create_render_pass(target);
   const VkImageView views[] = {colour.view, depth.view};
   const VkFramebufferCreateInfo framebuffer_info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,

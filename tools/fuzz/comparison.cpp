@@ -13,14 +13,16 @@
 #include <memory>
 
 #include "compiler/eval/eval.h"
+#include "compiler/ir/random.h"
 #include "compiler/ir/wave_frame.h"
 #include "compiler/jit/jit.h"
 #include "compiler/passes/passes.h"
 #include "tools/fuzz/memory_stage.h"
-#include "tools/fuzz/random.h"
 
 namespace pineda::fuzz {
 namespace {
+
+using ir::Random;
 
 constexpr uint32_t kBufferBytes = 4096;
 

@@ -23,7 +23,6 @@
 #include "compiler/passes/passes.h"
 #include "tools/fuzz/comparison.h"
 #include "tools/fuzz/mutate.h"
-#include "tools/fuzz/random.h"
 #include "tools/fuzz/shapes.h"
 
 namespace pineda::fuzz {

@@ -5,9 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "tools/fuzz/random.h"
+#include "compiler/ir/random.h"
 
 namespace pineda::fuzz {
+
+using ir::Random;
 
 // One to three edits: bits, words, ids, whole instructions left out, doubled, moved or cut short.
 std::vector<uint32_t> mutate(std::span<const uint32_t> words, Random& random);

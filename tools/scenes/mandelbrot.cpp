@@ -1,5 +1,4 @@
 #include <cstdint>
-#include <optional>
 
 #include "shaders/mandelbrot_comp.h"
 #include "tools/scenes/scenes.h"
@@ -24,21 +23,21 @@ class MandelbrotScene final : public Scene {
     picture_ = create_image(context, extent, 1, VK_FORMAT_R8G8B8A8_UNORM,
                             VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
     const Binding binding{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_SHADER_STAGE_COMPUTE_BIT};
-    set_layout_ = create_set_layout(context, {&binding, 1});
-    descriptors_.emplace(context, 1, 1);
-    set_ = descriptors_->allocate(set_layout_);
-    descriptors_->write_buffer(set_, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pixels_);
-    const VkDescriptorSetLayout set_layout = set_layout_;
+    bound_.set_layout = create_set_layout(context, {&binding, 1});
+    bound_.descriptors.emplace(context, 1, 1);
+    bound_.set = bound_.descriptors->allocate(bound_.set_layout);
+    bound_.descriptors->write_buffer(bound_.set, 0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pixels_);
+    const VkDescriptorSetLayout set_layout = bound_.set_layout;
     const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(Window)};
-    layout_ = create_pipeline_layout(context, {&set_layout, 1}, {&range, 1});
-    pipeline_ = create_compute_pipeline(context, mandelbrot_comp, layout_);
+    bound_.layout = create_pipeline_layout(context, {&set_layout, 1}, {&range, 1});
+    bound_.pipeline = create_compute_pipeline(context, mandelbrot_comp, bound_.layout);
   }
 
   void record(VkCommandBuffer commands) const override {
     const Window window = make_window();
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);
-    vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof window, &window);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, bound_.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, bound_.layout, 0, 1, &bound_.set, 0, nullptr);
+    vkCmdPushConstants(commands, bound_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof window, &window);
     vkCmdDispatch(commands, (extent_.width + kGroupSide - 1) / kGroupSide, (extent_.height + kGroupSide - 1) / kGroupSide, 1);
     copy_to_picture(commands);
   }
@@ -80,11 +79,7 @@ class MandelbrotScene final : public Scene {
   VkExtent2D extent_{};
   Buffer pixels_;
   Image2D picture_;
-  std::optional<DescriptorAllocator> descriptors_;
-  DescriptorSetLayoutHandle set_layout_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  PipelineLayoutHandle layout_;
-  PipelineHandle pipeline_;
+  BoundPipeline bound_;
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cstdint>
-#include <optional>
 
 #include "shaders/blur_frag.h"
 #include "shaders/borders_frag.h"
@@ -106,15 +105,15 @@ class SamplingScene final : public RenderScene {
     const uint32_t count = borders ? 5 : 1;
     for (uint32_t i = 0; i < count; ++i) samplers_.push_back(create_sampler(context, sampler_info(borders ? i : 0)));
     create_set(context, count);
-    const VkDescriptorSetLayout set_layout = set_layout_;
-    layout_ = create_pipeline_layout(context, {&set_layout, 1}, {});
-    pipeline_ = create_graphics_pipeline(
-        context, target, {.vertex_shader = sampling_vert, .fragment_shader = row_.fragment_shader, .layout = layout_});
+    const VkDescriptorSetLayout set_layout = bound_.set_layout;
+    bound_.layout = create_pipeline_layout(context, {&set_layout, 1}, {});
+    bound_.pipeline = create_graphics_pipeline(
+        context, target, {.vertex_shader = sampling_vert, .fragment_shader = row_.fragment_shader, .layout = bound_.layout});
   }
 
   void draw(VkCommandBuffer commands) const override {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.layout, 0, 1, &bound_.set, 0, nullptr);
     for (uint32_t i = 0; i < layer_count_; ++i) vkCmdDraw(commands, 3, 1, 0, 0);
   }
 
@@ -141,13 +140,13 @@ class SamplingScene final : public RenderScene {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     check(vkCreateDescriptorSetLayout(context.device(), &info, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
-    set_layout_ = {context.device(), set_layout};
-    descriptors_.emplace(context, 1, count);
-    set_ = descriptors_->allocate(set_layout_);
+    bound_.set_layout = {context.device(), set_layout};
+    bound_.descriptors.emplace(context, 1, count);
+    bound_.set = bound_.descriptors->allocate(bound_.set_layout);
     for (uint32_t i = 0; i < count; ++i) {
       const VkDescriptorImageInfo image{samplers_[i], texture_.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
       const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                       .dstSet = set_,
+                                       .dstSet = bound_.set,
                                        .dstArrayElement = i,
                                        .descriptorCount = 1,
                                        .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
@@ -160,11 +159,7 @@ class SamplingScene final : public RenderScene {
   const uint32_t layer_count_;
   Texture texture_;
   std::vector<SamplerHandle> samplers_;
-  std::optional<DescriptorAllocator> descriptors_;
-  DescriptorSetLayoutHandle set_layout_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  PipelineLayoutHandle layout_;
-  PipelineHandle pipeline_;
+  BoundPipeline bound_;
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,15 +43,15 @@ class FourTextures : public RenderScene {
     textures_ = make_textures(context);
     sampler_ = create_trilinear_sampler(context);
     create_set(context);
-    const VkDescriptorSetLayout set_layout = set_layout_;
-    layout_ = create_pipeline_layout(context, {&set_layout, 1}, {});
-    pipeline_ = create_graphics_pipeline(
-        context, target, {.vertex_shader = sampling_vert, .fragment_shader = fragment_shader_, .layout = layout_});
+    const VkDescriptorSetLayout set_layout = bound_.set_layout;
+    bound_.layout = create_pipeline_layout(context, {&set_layout, 1}, {});
+    bound_.pipeline = create_graphics_pipeline(
+        context, target, {.vertex_shader = sampling_vert, .fragment_shader = fragment_shader_, .layout = bound_.layout});
   }
 
   void draw(VkCommandBuffer commands) const override {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_, 0, 1, &set_, 0, nullptr);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bound_.layout, 0, 1, &bound_.set, 0, nullptr);
     vkCmdDraw(commands, 3, 1, 0, 0);
   }
 
@@ -64,13 +63,13 @@ class FourTextures : public RenderScene {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     check(vkCreateDescriptorSetLayout(context.device(), &info, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
-    set_layout_ = {context.device(), set_layout};
-    descriptors_.emplace(context, 1, kTextures);
-    set_ = descriptors_->allocate(set_layout_);
+    bound_.set_layout = {context.device(), set_layout};
+    bound_.descriptors.emplace(context, 1, kTextures);
+    bound_.set = bound_.descriptors->allocate(bound_.set_layout);
     std::array<VkDescriptorImageInfo, kTextures> images;
     for (uint32_t i = 0; i < kTextures; ++i) images[i] = {sampler_, textures_[i].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                     .dstSet = set_,
+                                     .dstSet = bound_.set,
                                      .descriptorCount = kTextures,
                                      .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                      .pImageInfo = images.data()};
@@ -80,11 +79,7 @@ class FourTextures : public RenderScene {
   Spirv fragment_shader_;
   std::array<Image2D, kTextures> textures_;
   SamplerHandle sampler_;
-  std::optional<DescriptorAllocator> descriptors_;
-  DescriptorSetLayoutHandle set_layout_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  PipelineLayoutHandle layout_;
-  PipelineHandle pipeline_;
+  BoundPipeline bound_;
 };
 
 class BlocksScene final : public FourTextures {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -66,5 +67,14 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
 PipelineHandle create_compute_pipeline(VkContext& context, Spirv shader, VkPipelineLayout layout,
                                        const VkSpecializationInfo* specialization = nullptr,
                                        VkPipelineCache cache = VK_NULL_HANDLE);
+
+// A pipeline and the one descriptor set that it takes.
+struct BoundPipeline {
+  std::optional<DescriptorAllocator> descriptors;
+  DescriptorSetLayoutHandle set_layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  PipelineLayoutHandle layout;
+  PipelineHandle pipeline;
+};
 
 }  // namespace pineda::tools

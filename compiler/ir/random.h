@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 
-namespace pineda::fuzz {
+namespace pineda::ir {
 
 class Random {
  public:
@@ -16,9 +17,13 @@ class Random {
   }
   uint32_t below(uint64_t n) { return static_cast<uint32_t>((next() >> 32) * n >> 32); }
   bool one_in(uint32_t n) { return below(n) == 0; }
+  template <typename Table>
+  auto pick(const Table& table) {
+    return std::data(table)[below(std::size(table))];
+  }
 
  private:
   uint64_t state_;
 };
 
-}  // namespace pineda::fuzz
+}  // namespace pineda::ir
