@@ -167,8 +167,7 @@ class Machine {
     uint64_t address;
   };
   Access access(const Step& s, uint32_t lane, uint32_t size_bytes, Slot limit) {
-    uint64_t offset = at(s.in[1])[lane] + lane * (s.imm >> 32);
-    if (s.flags & ir::kWrap) offset = static_cast<uint32_t>(offset);
+    const uint64_t offset = at(s.in[1])[lane] + lane * (s.imm >> 32);
     return {limit == 0 || offset + size_bytes <= at(limit)[lane], at(s.in[0])[lane] + offset};
   }
 

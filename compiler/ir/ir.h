@@ -36,8 +36,7 @@
 // unsigned) the access is checked: it takes place only when offset + lane * lane_stride + size <= limit, computed without
 // wrapping; otherwise a load or atomic gives zero and a store does nothing. Accesses need no alignment, atomics their natural
 // one. Lanes act in ascending order: where stores or atomics of one instruction meet, the highest active lane comes last. B1 is
-// never in memory. lane_stride == size with a uniform offset is one contiguous vector access. With kWrap, offset + lane *
-// lane_stride is taken modulo 2^32 before it is added and checked (it is what 32-bit arithmetic per lane would have given).
+// never in memory. lane_stride == size with a uniform offset is one contiguous vector access.
 //
 // Numbers. IEEE binary32/64, round to nearest even, denormals kept. An operation that creates a NaN gives a NaN of unspecified
 // sign and payload; FCanon makes it one pattern, and is placed (by Builder) wherever bits become visible: Bitcast from a float,
@@ -124,7 +123,7 @@ inline constexpr uint8_t kSpeculate = 2;   // Load: the address is valid for eve
 inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whatever the mask (tile buffers)
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
 inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another or moved (atomic loads: another thread may write)
-inline constexpr uint8_t kWrap = 32;       // Load, Store: offset + lane * lane_stride wraps at 2^32
+inline constexpr uint8_t kLikely = 32;     // If: mostly its first region runs
 
 inline constexpr uint32_t kMaxOperands = 5;
 inline constexpr uint64_t kMaxRecordBytes = 4096;  // of a Call

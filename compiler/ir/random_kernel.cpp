@@ -312,6 +312,27 @@ class Generator {
     return b_.iadd(b_.urem(any(Type::kI32), b_.i32(range)), b_.i32(random_.below(16)));
   }
 
+  // As the translator addresses an array of scalars behind a header: the product of index and size must not wrap, nor its sum
+  // with what stands in front. The index grows from lane to lane and is anywhere: at the array's ends, at those of 32 bits, at
+  // borders of the product.
+  Address indexed(Value base, Value limit, uint32_t range, uint32_t size) {
+    const uint32_t places[] = {0, range / size, ~0u / size, 1u << 31};
+    Value index = random_.one_in(2) ? b_.i32(places[random_.below(4)] + random_.below(40) - 20)
+                                    : b_.iadd(b_.urem(any(Type::kI32), b_.i32(range / size)), b_.i32(random_.below(4)));
+    if (!random_.one_in(4)) index = b_.iadd(index, b_.lane());
+    const uint32_t row = 4 * random_.below(3), most = ~0u / size;
+    const Value scaled = b_.imul(index, b_.i32(size));
+    Value holds = b_.ule(index, b_.i32(most)), offset = scaled;
+    if (row != 0) {
+      holds = b_.and_(holds, b_.ule(scaled, b_.i32(~0u - row)));
+      offset = b_.iadd(scaled, b_.i32(row));
+    } else if (random_.one_in(2)) {
+      offset = b_.iadd(b_.imul(b_.urem(any(Type::kI32), b_.i32(5)), b_.i32(size)), scaled);
+      holds = b_.and_(holds, b_.ule(scaled, offset));
+    }
+    return {base, offset, random_.one_in(8) ? limit : b_.select(holds, limit, b_.i32(0)), 0};
+  }
+
   void load() {
     const Type t = memory_type();
     if (random_.one_in(4)) return contiguous_load(t);
@@ -320,18 +341,17 @@ class Generator {
       const Address from{scratch_, random_offset(kScratchBytes), b_.i32(kScratchBytes), stride};
       return keep(b_.load(t, from));
     }
-    const bool wrap = random_.one_in(2);  // across 2^32 if it starts close enough
-    const Value offset = wrap && random_.one_in(2) ? b_.i32(0u - random_.below(64)) : random_offset(kInputBytes);
-    const Address from{input_, offset, random_.one_in(2) ? input_bytes_ : b_.i32(kInputBytes),
-                       wrap && random_.one_in(2) ? size_bytes(t) : stride};
-    keep(b_.load(t, from, static_cast<uint8_t>((random_.one_in(2) ? kInvariant : 0) | (wrap ? kWrap : 0))));
+    const Value limit = random_.one_in(2) ? input_bytes_ : b_.i32(kInputBytes);
+    const uint8_t flags = random_.one_in(2) ? kInvariant : 0;
+    if (random_.one_in(2)) return keep(b_.load(t, indexed(input_, limit, kInputBytes, size_bytes(t)), flags));
+    keep(b_.load(t, {input_, random_offset(kInputBytes), limit, stride}, flags));
   }
 
   void store() {
     const uint32_t stride = random_.one_in(2) ? random_.below(9) : 0;
-    const bool wrap = random_.one_in(4);
-    const Value offset = wrap ? b_.isub(random_offset(kScratchBytes), b_.i32(random_.below(64))) : random_offset(kScratchBytes);
-    b_.store({scratch_, offset, b_.i32(kScratchBytes), stride}, any(memory_type()), wrap ? kWrap : 0);
+    const Type t = memory_type();
+    if (random_.one_in(4)) return b_.store(indexed(scratch_, b_.i32(kScratchBytes), kScratchBytes, size_bytes(t)), any(t));
+    b_.store({scratch_, random_offset(kScratchBytes), b_.i32(kScratchBytes), stride}, any(t));
   }
 
   void atomic() {

@@ -53,6 +53,20 @@ uint64_t expression_bound(const Kernel& kernel, const Inst& inst, const Bound& b
   }
 }
 
+// Whether a ULt or ULe of I32s holds for all values within the bounds: x <= constant, 0 <= x, or x <= x + y where the sum does
+// not wrap.
+template <typename Bound>
+bool is_known_true(const Kernel& kernel, const Inst& compare, const Bound& bound) {
+  const bool less = compare.op == Op::kULt;
+  if ((!less && compare.op != Op::kULe) || kernel.at(compare.operand[0]).type != Type::kI32) return false;
+  const Inst& right = kernel.at(compare.operand[1]);
+  if (right.op == Op::kConst) return bound(compare.operand[0]) + less <= right.imm;
+  if (!less && bound(compare.operand[0]) == 0) return true;
+  if (less || right.op != Op::kIAdd) return false;
+  const bool is_part = right.operand[0] == compare.operand[0] || right.operand[1] == compare.operand[0];
+  return is_part && bound(right.operand[0]) + bound(right.operand[1]) <= kAnyU32;
+}
+
 inline uint64_t upper_bound(const Kernel& kernel, Value v, uint32_t depth = 0) {
   constexpr uint32_t kMaxDepth = 6;
   if (depth > kMaxDepth || kernel.at(v).type != Type::kI32) return kAnyU32;

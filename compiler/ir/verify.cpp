@@ -286,8 +286,9 @@ class Verifier {
 
   static const char* flags_and_imm(const Inst& inst) {
     uint8_t allowed = 0;
-    if (inst.op == Op::kLoad) allowed = kInvariant | kSpeculate | kVolatile | kWrap;
-    if (inst.op == Op::kStore) allowed = kAllLanes | kWrap;
+    if (inst.op == Op::kLoad) allowed = kInvariant | kSpeculate | kVolatile;
+    if (inst.op == Op::kStore) allowed = kAllLanes;
+    if (inst.op == Op::kIf) allowed = kLikely;
     if (inst.op == Op::kFAdd || inst.op == Op::kFSub || inst.op == Op::kFMul) allowed = kNoContract;
     if (inst.flags & ~allowed) return "has a flag that it cannot have";
     if (!has_regions(inst.op) && (inst.region[0] != 0 || inst.region[1] != 0)) return "has a region";

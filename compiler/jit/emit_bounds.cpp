@@ -109,12 +109,7 @@ bool Emitter::is_known_true(ir::Value condition, bool with_facts) const {
   const ir::Inst& inst = kernel_.at(condition);
   if (inst.op == Op::kConst) return inst.imm != 0;
   if (inst.op == Op::kAnd) return is_known_true(inst.operand[0], with_facts) && is_known_true(inst.operand[1], with_facts);
-  if (inst.op != Op::kULe || kernel_.at(inst.operand[0]).type != ir::Type::kI32) return false;
-  const ir::Inst& right = kernel_.at(inst.operand[1]);
-  if (right.op == Op::kConst) return upper_bound(inst.operand[0], with_facts) <= right.imm;
-  if (right.op != Op::kIAdd) return false;  // x <= x + y: the sum does not wrap
-  const bool is_part = right.operand[0] == inst.operand[0] || right.operand[1] == inst.operand[0];
-  return is_part && upper_bound(right.operand[0], with_facts) + upper_bound(right.operand[1], with_facts) <= kAny;
+  return ir::is_known_true(kernel_, inst, [&](ir::Value v) { return upper_bound(v, with_facts); });
 }
 
 void Emitter::set_limit(Access& a, ir::Value limit, bool with_facts) {
@@ -131,36 +126,8 @@ void Emitter::set_limit(Access& a, ir::Value limit, bool with_facts) {
 
 bool Emitter::is_known_in_bounds(const Access& a) const {
   const auto* limit = llvm::dyn_cast_or_null<llvm::ConstantInt>(a.limit);
-  return limit != nullptr && a.offset_bound + reach_bytes(a) <= limit->getZExtValue();
-}
-
-// From lane 0's offset to the end of lane 15's element.
-uint64_t Emitter::reach_bytes(const Access& a) { return uint64_t{kLanes - 1} * a.lane_stride_bytes + a.size_bytes; }
-
-// i1: all lanes of an access that may wrap are in bounds, and none wraps. Null: known.
-Emitter::V Emitter::is_near(const Access& a) {
-  constexpr uint64_t kEnd = uint64_t{1} << 32;
-  if (a.limit == nullptr ? a.offset_bound + reach_bytes(a) <= kEnd : is_known_in_bounds(a)) return nullptr;
-  V end = b_.CreateAdd(b_.CreateZExt(a.offset, b_.getInt64Ty()), b_.getInt64(reach_bytes(a)));
-  return b_.CreateICmpULE(end, a.limit == nullptr ? b_.getInt64(kEnd) : b_.CreateZExt(a.limit, b_.getInt64Ty()));
-}
-
-// The same access with an offset of its own for each lane, modulo 2^32.
-Emitter::Access Emitter::lane_by_lane(const Access& a) {
-  std::vector<uint32_t> steps(kLanes);
-  for (uint32_t l = 0; l < kLanes; ++l) steps[l] = l * a.lane_stride_bytes;
-  Access each = a;
-  each.offset = b_.CreateAdd(is_vector(a.offset) ? a.offset : b_.CreateVectorSplat(kLanes, a.offset),
-                             llvm::ConstantDataVector::get(context_, steps));
-  each.lane_stride_bytes = 0;
-  each.wraps = each.small_offset = false;
-  each.offset_bound = kAny;
-  return each;
-}
-
-void Emitter::branch_likely(V condition, llvm::BasicBlock* likely, llvm::BasicBlock* other) {
-  constexpr uint32_t kLikely = 2000;
-  b_.CreateCondBr(condition, likely, other, llvm::MDBuilder(context_).createBranchWeights(kLikely, 1));
+  const uint64_t reach_bytes = uint64_t{kLanes - 1} * a.lane_stride_bytes + a.size_bytes;  // from lane 0's offset to the last end
+  return limit != nullptr && a.offset_bound + reach_bytes <= limit->getZExtValue();
 }
 
 // In bounds means offset + k <= limit with k = lane * stride + size, in exact arithmetic. As limit -sat- (k - 1) is either limit

@@ -57,7 +57,8 @@ bool Emitter::is_flat(ir::RegionId region, uint32_t* cost) const {
 }
 
 void Emitter::emit_if(const ir::Inst& inst, ir::Value id) {
-  if (!is_lane(inst.operand[0])) return emit_uniform_if(inst, id);
+  if (!is_lane(inst.operand[0]))
+    return is_known_true(inst.operand[0], true) ? emit_first_side(inst, id) : emit_uniform_if(inst, id);
   uint32_t cost = 0;
   if (is_flat(inst.region[0], &cost) && is_flat(inst.region[1], &cost) && cost <= kFlatCost) return emit_flat_if(inst, id);
   emit_divergent_if(inst, id);
@@ -74,11 +75,22 @@ std::vector<Emitter::V> Emitter::yielded_values(ir::RegionId region, const std::
   return values;
 }
 
+// What the constructs around tell decides it.
+void Emitter::emit_first_side(const ir::Inst& inst, ir::Value id) {
+  emit_insts(inst.region[0]);
+  const std::vector<ir::Value> results = results_of(id);
+  const std::vector<V> values = yielded_values(inst.region[0], results, false);
+  for (size_t k = 0; k < results.size(); ++k) value_[results[k].id] = values[k];
+}
+
 void Emitter::emit_uniform_if(const ir::Inst& inst, ir::Value id) {
   const std::vector<ir::Value> results = results_of(id);
   llvm::BasicBlock *sides[2] = {block("then"), block("else")}, *join = block("endif"), *ends[2];
   std::vector<V> values[2];
-  b_.CreateCondBr(scalar(inst.operand[0]), sides[0], sides[1]);
+  constexpr uint32_t kLikelyWeight = 2000;
+  llvm::MDNode* const weights =
+      inst.flags & ir::kLikely ? llvm::MDBuilder(context_).createBranchWeights(kLikelyWeight, 1) : nullptr;
+  b_.CreateCondBr(scalar(inst.operand[0]), sides[0], sides[1], weights);
   for (int side = 0; side < 2; ++side) {
     start(sides[side]);
     const size_t known = facts_.size();

@@ -68,6 +68,8 @@ void Emitter::emit_phase(const std::vector<ir::Value>& insts, std::optional<uint
   const bool sets_masks = kernel_.at(last).op == Op::kYield ? tail != nullptr && any_lane_.contains(tail->owner.id)
                                                             : frame_.masks[last.id] != ir::WaveFrame::kNone;
   if (insts.size() == 1 && kernel_.at(last).op == Op::kYield && tail == nullptr) return;
+  const bool is_group_if = kernel_.at(last).op == Op::kIf && ir::is_group_construct(kernel_.at(last), with_barriers_);
+  if (insts.size() == 1 && is_group_if && !sets_masks) return;  // its condition is the workgroup's
   if (sets_masks && kernel_.at(last).op != Op::kYield) {
     llvm::IRBuilderBase::InsertPointGuard guard(b_);
     b_.SetInsertPoint(entry_->getTerminator());

@@ -26,7 +26,6 @@ Emitter::Access Emitter::access_of(const ir::Inst& inst, llvm::Type* element) {
            .size_bytes = static_cast<uint32_t>(element->getPrimitiveSizeInBits() / 8),
            .element = element,
            .invariant = (inst.flags & ir::kInvariant) != 0,
-           .wraps = (inst.flags & ir::kWrap) != 0,
            .small_offset = bound < kSmallOffset,
            .offset_bound = bound};
   if (const ir::Value limit = ir::limit_of(inst)) set_limit(a, limit, with_facts);
@@ -48,40 +47,14 @@ Emitter::V Emitter::emit_load(const ir::Inst& inst) {
 void Emitter::forget_memory() { b_.CreateFence(llvm::AtomicOrdering::SequentiallyConsistent, llvm::SyncScope::SingleThread); }
 
 Emitter::V Emitter::emit_plain_load(const ir::Inst& inst) {
-  Access a = access_of(inst, element_type(inst.type));
+  const Access a = access_of(inst, element_type(inst.type));
   if (inst.rate != ir::Rate::kLane && !a.uniform()) return fail("a uniform load has a varying address", a.element);
   if (a.uniform()) return uniform_load(a);
-  if (a.wraps && a.contiguous()) return consecutive_load(a, (inst.flags & ir::kSpeculate) != 0);
-  if (a.wraps) a = lane_by_lane(a);
   V in_bounds = lanes_in_bounds(a);
   const bool speculate = (inst.flags & ir::kSpeculate) != 0;
   V mask = in_bounds;
   if (!speculate && !exec_.full()) mask = in_bounds != nullptr ? exec_and(in_bounds) : exec_.lanes;
   return a.contiguous() ? contiguous_load(a, mask) : gather(a, mask);
-}
-
-// All lanes at once when they are in bounds and their addresses do not wrap, which one scalar comparison tells; else each by
-// itself.
-Emitter::V Emitter::consecutive_load(const Access& a, bool speculate) {
-  V mask = both(speculate || exec_.full() ? nullptr : exec_.lanes, a.where);
-  V near = is_near(a);
-  if (near == nullptr) return contiguous_load(a, mask);
-  llvm::BasicBlock *fast = block("load.near"), *slow = block("load.far"), *done = block("load.done");
-  branch_likely(near, fast, slow);
-  start(fast);
-  V whole = contiguous_load(a, mask);
-  llvm::BasicBlock* fast_end = b_.GetInsertBlock();
-  b_.CreateBr(done);
-  start(slow);
-  const Access each = lane_by_lane(a);
-  V gathered = gather(each, both(lanes_in_bounds(each), mask));
-  llvm::BasicBlock* slow_end = b_.GetInsertBlock();
-  b_.CreateBr(done);
-  start(done);
-  llvm::PHINode* result = b_.CreatePHI(whole->getType(), 2);
-  result->addIncoming(whole, fast_end);
-  result->addIncoming(gathered, slow_end);
-  return result;
 }
 
 // Out of bounds: read from 16 zero bytes instead, which needs no branch.
@@ -135,12 +108,10 @@ Emitter::V Emitter::contiguous_load_by_lane(const Access& a, V mask) {
 
 void Emitter::emit_store(const ir::Inst& inst) {
   const ir::Value stored = inst.operand[2];
-  Access a = access_of(inst, element_type(kernel_.at(stored).type));
+  const Access a = access_of(inst, element_type(kernel_.at(stored).type));
   const bool all_lanes = (inst.flags & ir::kAllLanes) != 0;
   // One value for one address: all active lanes write the same, and at least one is active here.
   if (a.uniform() && !is_lane(stored)) return uniform_store(a, scalar(stored));
-  if (a.wraps && a.contiguous()) return consecutive_store(a, vector(stored), all_lanes);
-  if (a.wraps) a = lane_by_lane(a);
   V in_bounds = lanes_in_bounds(a);
   V mask = in_bounds;
   if (!all_lanes && !exec_.full()) mask = in_bounds != nullptr ? exec_and(in_bounds) : exec_.lanes;
@@ -149,22 +120,6 @@ void Emitter::emit_store(const ir::Inst& inst) {
   } else {
     scatter(a, vector(stored), mask);
   }
-}
-
-void Emitter::consecutive_store(const Access& a, V value, bool all_lanes) {
-  V mask = both(all_lanes || exec_.full() ? nullptr : exec_.lanes, a.where);
-  V near = is_near(a);
-  if (near == nullptr) return contiguous_store(a, value, mask);
-  llvm::BasicBlock *fast = block("store.near"), *slow = block("store.far"), *done = block("store.done");
-  branch_likely(near, fast, slow);
-  start(fast);
-  contiguous_store(a, value, mask);
-  b_.CreateBr(done);
-  start(slow);
-  const Access each = lane_by_lane(a);
-  scatter(each, value, both(lanes_in_bounds(each), mask));
-  b_.CreateBr(done);
-  start(done);
 }
 
 void Emitter::uniform_store(const Access& a, V value) {

@@ -72,7 +72,6 @@ class Emitter {
     llvm::Type* element = nullptr;
     bool invariant = false;
     bool base_readable = false;          // reading an element at `base` itself never faults
-    bool wraps = false;                  // ir::kWrap
     bool small_offset = false;           // known to be below 2^31 - 8
     uint64_t offset_bound = 0xffffffff;  // the largest offset of an active lane
     bool uniform() const;                // one address for all lanes
@@ -204,8 +203,6 @@ class Emitter {
   void forget_memory();
   void emit_store(const ir::Inst& inst);
   V uniform_load(const Access& a);
-  V consecutive_load(const Access& a, bool speculate);
-  void consecutive_store(const Access& a, V value, bool all_lanes);
   V contiguous_load(const Access& a, V mask);
   V contiguous_load_by_lane(const Access& a, V mask);
   void contiguous_store(const Access& a, V value, V mask);
@@ -227,10 +224,6 @@ class Emitter {
   bool is_known_true(ir::Value condition, bool with_facts) const;
   void set_limit(Access& a, ir::Value limit, bool with_facts);
   V both(V a, V b);
-  static uint64_t reach_bytes(const Access& a);
-  V is_near(const Access& a);
-  Access lane_by_lane(const Access& a);
-  void branch_likely(V condition, llvm::BasicBlock* likely, llvm::BasicBlock* other);
   V uniform_in_bounds(const Access& a);  // i1; null when unchecked
   V lanes_in_bounds(const Access& a);    // mask; null when unchecked
 
@@ -288,6 +281,7 @@ class Emitter {
 
   // ---- emit_control.cpp
   void emit_if(const ir::Inst& inst, ir::Value id);
+  void emit_first_side(const ir::Inst& inst, ir::Value id);
   void emit_uniform_if(const ir::Inst& inst, ir::Value id);
   void emit_divergent_if(const ir::Inst& inst, ir::Value id);
   void emit_flat_if(const ir::Inst& inst, ir::Value id);

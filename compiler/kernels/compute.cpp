@@ -1,4 +1,6 @@
 // Compute kernel: one wave is 16 consecutive invocations of a workgroup.
+#include <algorithm>
+
 #include "base/abi.h"
 #include "compiler/kernels/kernels.h"
 #include "compiler/kernels/stage.h"
@@ -15,8 +17,12 @@ class ComputeStage final : public Stage {
  public:
   ComputeStage(Builder& b, const compiler::ComputeSource& source, const std::array<uint32_t, 3>& local_size)
       : Stage(*source.layout, source.textures), local_size_(local_size) {
-    // That both are small is said by masks that change nothing, for who asks how large offsets get (ir/ranges.h).
-    first_ = b.and_(b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed), b.i32(kMaxInvocation));
+    // That ids are small is said by operations that change nothing, for who asks how large offsets get (ir/ranges.h).
+    const Value first = b.load(Type::kI32, b.wave_ptr(), offsetof(ComputeWave, first_invocation), kFixed);
+    const uint64_t count = uint64_t{local_size[0]} * local_size[1] * local_size[2];
+    const auto last = static_cast<uint32_t>(std::min<uint64_t>(count, kMaxInvocations) - 1);
+    const Value last_first = b.i32(last / kLanes * kLanes);
+    first_ = is_power_of_two(last + 1) ? b.and_(first, last_first) : b.umin(first, last_first);
     local_index_ = b.iadd(first_, b.lane());
   }
 
@@ -51,7 +57,7 @@ class ComputeStage final : public Stage {
   }
 
  private:
-  static constexpr uint32_t kMaxInvocation = 1023, kMaxWorkgroup = 0xffff;  // icd/limits.cpp
+  static constexpr uint32_t kMaxInvocations = 1024, kMaxWorkgroup = 0xffff;  // icd/limits.cpp
 
   static Value workgroup_id(Builder& b, uint32_t axis) {
     const auto offset = static_cast<uint32_t>(offsetof(WorkgroupRecord, id) + 4 * axis);
@@ -70,13 +76,19 @@ class ComputeStage final : public Stage {
     return is_power_of_two(y) ? b.and_(x, b.i32(y - 1)) : b.urem(x, b.i32(y));
   }
 
+  // Where in its row of `size_x` invocations a wave begins: a multiple of 16, as size_x is.
+  Value row_part(Builder& b, uint32_t size_x) const {
+    return is_power_of_two(size_x) ? b.and_(first_, b.i32(size_x - kLanes))
+                                   : b.umin(b.urem(first_, b.i32(size_x)), b.i32(size_x - kLanes));
+  }
+
   // local_index = x + size.x * (y + size.y * z); axes of extent one cost nothing.
   Value local_id(Builder& b, uint32_t axis) const {
     if (local_size_[axis] == 1) return b.i32(0);
     const uint32_t size_x = local_size_[0], size_y = local_size_[1], size_z = local_size_[2];
     const bool wide = size_x % kLanes == 0, narrow = kLanes % size_x == 0 && size_x * size_y % kLanes == 0;
     if (wide || narrow) {
-      if (axis == 0) return wide ? b.iadd(remainder(b, first_, size_x), b.lane()) : remainder(b, b.lane(), size_x);
+      if (axis == 0) return wide ? b.iadd(row_part(b, size_x), b.lane()) : remainder(b, b.lane(), size_x);
       const Value row = divide(b, first_, size_x);
       if (axis == 2) return divide(b, row, size_y);
       const Value y = size_z == 1 ? row : remainder(b, row, size_y);

@@ -35,13 +35,21 @@ class Facts {
     learn(condition, true, 0);
   }
 
-  std::optional<bool> known(Value v) const {
+  std::optional<bool> known(Value v, int depth = 0) const {
     const Inst& inst = kernel_.at(v);
-    if (inst.op == Op::kConst && inst.type == Type::kB1) return inst.imm != 0;
+    if (inst.type != Type::kB1) return {};
+    if (inst.op == Op::kConst) return inst.imm != 0;
     for (const auto& [value, truth] : facts_) {
       if (value == v) return truth;
     }
-    return {};
+    constexpr int kMaxKnownDepth = 3;
+    if (depth == kMaxKnownDepth || (inst.op != Op::kNot && inst.op != Op::kAnd && inst.op != Op::kOr)) return {};
+    const auto a = known(inst.operand[0], depth + 1);
+    if (inst.op == Op::kNot) return a ? std::optional(!*a) : std::nullopt;
+    const auto b = known(inst.operand[1], depth + 1);
+    const bool decides = inst.op == Op::kOr;  // whatever the other is
+    if (a == decides || b == decides) return decides;
+    return a && b ? std::optional(!decides) : std::nullopt;
   }
 
   // A value that equals `v` wherever the facts hold.

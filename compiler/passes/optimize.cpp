@@ -81,9 +81,13 @@ void optimize(ir::Kernel& k, Form form, Precision precision) {
   cse(k);
   dce(k);
   rates(k);
-  affine_addresses(k);
   hoist(k);
   hoist_loops(k);
+  if (consecutive_accesses(k)) {  // behind them: nothing moves out of its branches, but what it compares with may
+    dce(k);
+    hoist(k);
+    hoist_loops(k);
+  }
   cse(k);  // equal values that stood in different regions may now meet
   dce(k);
   rates(k);

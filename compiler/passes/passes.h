@@ -40,8 +40,9 @@ void narrow_loops(ir::Kernel& k);
 // Transcendentals -> polynomials; see lower_math.h.
 void lower_math(ir::Kernel& k, Precision precision = Precision::kDefault);
 
-// Loads and stores whose addresses are consecutive from lane to lane get a uniform offset and a lane stride. Wants rates.
-void affine_addresses(ir::Kernel& k);
+// Loads and stores whose addresses are consecutive from lane to lane become one access behind one comparison. Wants rates.
+// Whether there were any.
+bool consecutive_accesses(ir::Kernel& k);
 
 // What depends on the draw or the primitive alone moves to Kernel::draw and Kernel::prim.
 void hoist(ir::Kernel& k);

@@ -358,10 +358,102 @@ store %p, %z, %v
   EXPECT_NE(out.find("loop"), std::string::npos);
 }
 
+// ---- consecutive_accesses -------------------------------------------------------------------------------------------------
+
+// A buffer's word at index + lane, guarded as spirv/pointer.cpp does it: one comparison, whose room is a value of the limit.
+TEST(ConsecutiveAccesses, OneComparisonForAllLanes) {
+  const std::string out = run_on_text(R"(%0 = const i32 0
+%4 = const i32 4
+%8 = const i32 8
+%m = const i32 0x3fffffff
+%k = const i32 0xfffffff7
+%p = draw_ptr ptr
+%l = load i32 %p, %0 invariant speculate
+%i = load i32 %p, %4 invariant speculate
+%x = lane i32
+%n = iadd i32 %i, %x
+%c = ule b1 %n, %m
+%s = imul i32 %n, %4
+%d = ule b1 %s, %k
+%e = and b1 %c, %d
+%g = select i32 %e, %l, %0
+%o = iadd i32 %s, %8
+%v = load f32 %p, %o limit %g
+store %p, %0, %v stride 4
+)",
+                                      [](ir::Kernel& k) {
+                                        rates(k);
+                                        EXPECT_TRUE(consecutive_accesses(k));
+                                        dce(k);
+                                        cse(k);
+                                        rates(k);
+                                      });
+  // rest = 8 + 64 - 4 bytes
+  EXPECT_NE(out.find("const i32 68"), std::string::npos) << out;
+  EXPECT_NE(out.find("umax"), std::string::npos) << out;
+  EXPECT_NE(out.find(" likely @"), std::string::npos) << out;
+  const size_t whole = out.find("stride 4\n    yield"), each = out.find("limit");
+  EXPECT_LT(whole, each) << out;
+  EXPECT_EQ(out.substr(0, out.find("likely")).find("ule"), std::string::npos) << "guards are for single lanes:\n" << out;
+}
+
+TEST(ConsecutiveAccesses, KnownRangesNeedNone) {
+  const std::string out = run_on_text(R"(%0 = const i32 0
+%1 = const i32 31
+%4 = const i32 4
+%z = const i32 192
+%p = draw_ptr ptr
+%i = load i32 %p, %4 invariant speculate
+%j = and i32 %i, %1
+%x = lane i32
+%n = iadd i32 %j, %x
+%s = imul i32 %n, %4
+%v = load f32 %p, %s limit %z
+store %p, %0, %v stride 4
+)",
+                                      [](ir::Kernel& k) {
+                                        rates(k);
+                                        EXPECT_TRUE(consecutive_accesses(k));
+                                        dce(k);
+                                      });
+  EXPECT_EQ(out.find("limit"), std::string::npos) << out;
+  EXPECT_EQ(out.find("if "), std::string::npos) << out;
+}
+
 // ---- narrow_loops ---------------------------------------------------------------------------------------------------------
 
 // for (i = 0; i < 8; ++i) { if (p[lane] < i) break; a += p[lane]; } with i read afterwards: the body's i is uniform, the other's
 // is not.
+// A flag of the form "left already, or leaves now" is false in every turn that runs.
+TEST(NarrowLoops, FlagsThatOnlyEndTheLoopAreConstants) {
+  const std::string out = run_on_text(R"(%0 = const i32 0
+%1 = const i32 1
+%f = const b1 false
+%w = wave_ptr ptr
+%n = load i32 %w, %0
+%l = loop %0, %f {
+  %i = loop_arg i32 0
+  %b = loop_arg b1 1
+  %c = ult b1 %i, %n
+  store %w, %0, %i
+  %d = not b1 %c
+  %e = or b1 %d, %b
+  %g = not b1 %b
+  %h = and b1 %c, %g
+  %j = iadd i32 %i, %1
+  yield %h, %j, %e
+}
+)",
+                                      [](ir::Kernel& k) {
+                                        rates(k);
+                                        narrow_loops(k);
+                                        fold(k);
+                                        dce(k);
+                                      });
+  EXPECT_EQ(out.find("loop_arg b1"), std::string::npos) << out;
+  EXPECT_EQ(out.find("= not"), std::string::npos) << out;
+}
+
 TEST(NarrowLoops, ACounterIsUniformInSpiteOfABreak) {
   const std::string out = run_on_text(R"(%p = wave_ptr ptr
 %l = lane i32

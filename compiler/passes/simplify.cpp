@@ -245,9 +245,8 @@ Outcome Simplifier::compare(Inst& inst) {
   }
   if (op == Op::kULt && is_imm(inst.operand[1], 0)) return is_const(Type::kB1, 0);
   if (op == Op::kULe && is_imm(inst.operand[0], 0)) return is_const(Type::kB1, 1);
-  if (op == Op::kULe && imm(inst.operand[1]) && type(inst.operand[0]) == Type::kI32 &&
-      ir::upper_bound(kernel_, inst.operand[0]) <= *imm(inst.operand[1]))
-    return is_const(Type::kB1, 1);
+  const auto bound = [&](Value v) { return ir::upper_bound(kernel_, v); };
+  if (ir::is_known_true(kernel_, inst, bound)) return is_const(Type::kB1, 1);
   return op == Op::kIEq || op == Op::kINe ? compare_with_const(inst) : kNothing;
 }
 
@@ -371,9 +370,7 @@ Outcome Simplifier::memory(Inst& inst) {
       const Value limit = inst.operand[2];
       if (!limit || !imm(limit) || !imm(b)) return kNothing;
       const uint64_t size = ir::size_bytes(inst.type), stride = inst.lane_stride();
-      if (*imm(b) + size > *imm(limit)) {  // fails for lane 0, so for all unless they wrap
-        return inst.flags & ir::kWrap ? kNothing : is(emit({.op = Op::kConst, .type = inst.type}));
-      }
+      if (*imm(b) + size > *imm(limit)) return is(emit({.op = Op::kConst, .type = inst.type}));  // fails for lane 0, so for all
       if (*imm(b) + (kLanes - 1) * stride + size > *imm(limit)) return kNothing;
       inst.operand[2] = {};
       inst.flags |= ir::kSpeculate;  // as a checked access is valid for every lane

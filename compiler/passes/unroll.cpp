@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/abi.h"
+#include "compiler/ir/ranges.h"
 #include "compiler/ir/semantics.h"
 #include "compiler/passes/passes.h"
 #include "compiler/passes/rewrite.h"
@@ -18,10 +19,10 @@ using ir::Op;
 using ir::RegionId;
 using ir::Value;
 
-constexpr uint32_t kMaxTurns = 16;
-// Of all copies together. Loops that sample images inline stand in kernels that are compiled in the background, and their copies
-// share the most; others must not make an application wait for its pipelines.
-constexpr uint32_t kMaxInsts = 100, kMaxSamplingInsts = 4000;
+constexpr uint32_t kMaxTurns = 17;  // 16, and the one that finds the end
+// Of all copies together, of what the walk does not decide. Loops that sample images inline stand in kernels that are compiled in
+// the background, and their copies share the most; others must not make an application wait for its pipelines.
+constexpr uint32_t kMaxInsts = 128, kMaxSamplingInsts = 4000;
 
 // Something about some values. forget() takes no longer than setting did, so that a kernel of many loops takes linear time.
 template <typename T>
@@ -59,21 +60,45 @@ class KnownValues {
   void set(Value v, std::optional<uint64_t> raw) { known_.set(v, raw); }
   void forget() { known_.forget(); }
 
-  // Walks through a region. What depends on an If that is not decided stays unknown.
-  void walk(RegionId id) {
+  // Walks through a region. What depends on an If that is not decided stays unknown. Gives how many instructions would be left of
+  // a copy.
+  uint32_t walk(RegionId id) {
+    uint32_t left = 0;
     for (const Value v : kernel_.regions[id].insts) {
       const Inst& inst = kernel_.at(v);
       if (inst.op == Op::kIf) {
-        if (const auto cond = get(inst.operand[0])) walk(inst.region[*cond != 0 ? 0 : 1]);
+        const auto cond = get(inst.operand[0]);
+        left += cond ? walk(inst.region[*cond != 0 ? 0 : 1])
+                     : 1 + count_insts(kernel_, inst.region[0]) + count_insts(kernel_, inst.region[1]);
       } else if (inst.op == Op::kResult) {
         known_.set(v, result(inst));
       } else if (inst.op != Op::kLoopArg) {
         known_.set(v, compute(inst));
+        left += counts(inst) && !known_.get(v) && !is_decided_select(inst);
       }
     }
+    return left;
+  }
+
+  static bool counts(const Inst& inst) { return inst.op != Op::kConst && inst.op != Op::kYield && inst.op != Op::kResult; }
+
+  static uint32_t count_insts(const ir::Kernel& kernel, RegionId id) {
+    uint32_t count = 0;
+    ir::for_each_inst(kernel, id, [&](Value v) { count += counts(kernel.at(v)); });
+    return count;
   }
 
  private:
+  bool is_decided_select(const Inst& inst) const { return inst.op == Op::kSelect && get(inst.operand[0]); }
+
+  // As ir::upper_bound.
+  uint64_t bound(Value v, uint32_t depth) const {
+    constexpr uint32_t kMaxDepth = 6;
+    if (depth > kMaxDepth || kernel_.at(v).type != ir::Type::kI32) return ir::kAnyU32;
+    if (const auto raw = get(v)) return *raw;
+    return ir::expression_bound(kernel_, kernel_.at(v), [&](Value operand) { return bound(operand, depth + 1); });
+  }
+
   std::optional<uint64_t> result(const Inst& inst) const {
     const Inst& branch = kernel_.at(inst.operand[0]);
     if (branch.op != Op::kIf) return {};
@@ -83,6 +108,7 @@ class KnownValues {
   }
 
   std::optional<uint64_t> compute(const Inst& inst) const {
+    if (ir::is_known_true(kernel_, inst, [&](Value v) { return bound(v, 0); })) return 1;
     if (ir::op_info(inst.op).effect != ir::Effect::kPure || !inst.operand[0] || inst.operand[3]) return {};
     if (!is_known_type(inst.type)) return {};
     const Value typed = inst.op == Op::kSelect ? inst.operand[1] : inst.operand[0];
@@ -147,7 +173,6 @@ class Unroller {
 
   // 0: the loop stays.
   uint32_t count_turns(const Inst& loop) {
-    uint32_t insts = 0;
     bool fits = true, samples = false;
     ir::for_each_inst(kernel_, loop.region[0], [&](Value v) {
       const Inst& inst = kernel_.at(v);
@@ -155,16 +180,17 @@ class Unroller {
       // Texels are read at bounded offsets, without a limit.
       samples |=
           inst.op == Op::kLoad && (inst.flags & (ir::kInvariant | ir::kSpeculate)) == ir::kInvariant && !ir::limit_of(inst);
-      insts += inst.op != Op::kConst && inst.op != Op::kYield && inst.op != Op::kResult;
     });
     const uint32_t most = samples ? kMaxSamplingInsts : kMaxInsts;
-    if (!fits || 2 * insts > most) return 0;
+    if (!fits || KnownValues::count_insts(kernel_, loop.region[0]) > most) return 0;
     const std::vector<Value> args = args_of(loop);
     const std::vector<Value>& next = ir::yielded(kernel_, loop.region[0]);
     known_.forget();
     for (size_t k = 0; k < args.size(); ++k) known_.set(args[k], known_.get(kernel_.lists[loop.list][k]));
-    for (uint32_t turn = 1; turn <= kMaxTurns && turn * insts <= most; ++turn) {
-      known_.walk(loop.region[0]);
+    uint32_t insts = 0;
+    for (uint32_t turn = 1; turn <= kMaxTurns; ++turn) {
+      insts += known_.walk(loop.region[0]);
+      if (insts > most) return 0;
       const auto again = known_.get(next[0]);
       if (!again) return 0;
       if (*again == 0) return turn;
