@@ -9,14 +9,6 @@
 namespace pineda::tools {
 namespace {
 
-ShaderModuleHandle create_module(VkContext& context, Spirv words) {
-  const VkShaderModuleCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
-  VkShaderModule module = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(context.device(), &info, nullptr, &module), "vkCreateShaderModule");
-  return {context.device(), module};
-}
-
 VkPipelineColorBlendAttachmentState blend_state(const std::optional<RigBlend>& blend) {
   const RigBlend with = blend.value_or(RigBlend{});
   return {.blendEnable = blend.has_value(),
@@ -95,8 +87,9 @@ RenderPassHandle ExtremeRig::create_render_pass(const RigTarget& target) {
 
 PipelineHandle ExtremeRig::create_pipeline(const RigTarget& target, VkRenderPass pass, VkPipelineLayout layout,
                                            const RigDraw& draw) {
-  const ShaderModuleHandle vertex = create_module(context_, extreme_flat_vert);
-  const ShaderModuleHandle fragment = create_module(context_, draw.fragment.empty() ? Spirv(extreme_flat_frag) : draw.fragment);
+  const ShaderModuleHandle vertex = create_shader_module(context_, extreme_flat_vert);
+  const ShaderModuleHandle fragment =
+      create_shader_module(context_, draw.fragment.empty() ? Spirv(extreme_flat_frag) : draw.fragment);
   const auto stage = [](VkShaderStageFlagBits bit, VkShaderModule module) {
     return VkPipelineShaderStageCreateInfo{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = bit, .module = module, .pName = "main"};

@@ -3,14 +3,6 @@
 namespace pineda::tools {
 namespace {
 
-ShaderModuleHandle create_shader_module(VkContext& context, Spirv words) {
-  const VkShaderModuleCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
-  VkShaderModule module = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(context.device(), &info, nullptr, &module), "vkCreateShaderModule");
-  return {context.device(), module};
-}
-
 VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
                                            const VkSpecializationInfo* specialization) {
   return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
@@ -33,6 +25,14 @@ VkPipelineColorBlendAttachmentState blend_state(bool alpha_blend) {
 }
 
 }  // namespace
+
+ShaderModuleHandle create_shader_module(VkContext& context, Spirv words) {
+  const VkShaderModuleCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
+  VkShaderModule module = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(context.device(), &info, nullptr, &module), "vkCreateShaderModule");
+  return {context.device(), module};
+}
 
 DescriptorSetLayoutHandle create_set_layout(VkContext& context, std::span<const Binding> bindings) {
   std::vector<VkDescriptorSetLayoutBinding> descriptions;

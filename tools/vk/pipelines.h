@@ -63,6 +63,7 @@ struct GraphicsPipelineDesc {
   std::function<void(const PipelineParts&)> adjust;  // has the last word
 };
 
+ShaderModuleHandle create_shader_module(VkContext& context, Spirv words);
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc);
 PipelineHandle create_compute_pipeline(VkContext& context, Spirv shader, VkPipelineLayout layout,
                                        const VkSpecializationInfo* specialization = nullptr,
