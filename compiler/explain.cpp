@@ -1,7 +1,7 @@
 #include "compiler/explain.h"
 
 #include "base/deep_stack.h"
-#include "compiler/ir/walk.h"
+#include "compiler/explain_walk.h"
 #include "compiler/kernels/kernels.h"
 #include "compiler/passes/passes.h"
 
@@ -15,11 +15,10 @@ struct Counts {
 Counts count(const ir::Kernel& kernel, ir::RegionId region) {
   Counts counts;
   if (region == 0) return counts;
-  ir::for_each_inst(kernel, region, [&](ir::Value v) {
-    const ir::Op op = kernel.at(v).op;
+  for_each_likely(kernel, region, false, [&](const ir::Inst& inst, bool) {
     ++counts.instructions;
-    counts.loads += op == ir::Op::kLoad;
-    counts.stores += op == ir::Op::kStore;
+    counts.loads += inst.op == ir::Op::kLoad;
+    counts.stores += inst.op == ir::Op::kStore;
   });
   return counts;
 }

@@ -3,6 +3,7 @@
 
 #include "base/deep_stack.h"
 #include "compiler/explain.h"
+#include "compiler/explain_walk.h"
 #include "compiler/ir/ranges.h"
 #include "compiler/ir/walk.h"
 #include "compiler/ir/wave_frame.h"
@@ -23,7 +24,7 @@ struct Census {
 template <typename Fn>
 void for_each_inst_of_all(const ir::Kernel& kernel, Fn&& fn) {
   for (const ir::RegionId root : {kernel.draw, kernel.prim, kernel.wave}) {
-    if (root != 0) ir::for_each_inst(kernel, root, [&](ir::Value v) { fn(kernel.at(v)); });
+    if (root != 0) for_each_likely(kernel, root, false, [&](const Inst& inst, bool) { fn(inst); });
   }
 }
 
@@ -49,7 +50,7 @@ uint32_t less(uint32_t before, uint32_t after) { return before > after ? before 
 
 uint32_t count(const ir::Kernel& kernel, ir::RegionId root) {
   uint32_t n = 0;
-  if (root != 0) ir::for_each_inst(kernel, root, [&](ir::Value) { ++n; });
+  if (root != 0) for_each_likely(kernel, root, false, [&](const Inst&, bool) { ++n; });
   return n;
 }
 
@@ -76,8 +77,8 @@ void count_checks(const ir::Kernel& kernel, BoundsChecks& checks) {
   std::set<uint32_t> guards;
   for (const ir::RegionId root : {kernel.draw, kernel.prim, kernel.wave}) {
     if (root == 0) continue;
-    ir::for_each_inst(kernel, root, [&](ir::Value v) {
-      const Inst& inst = kernel.at(v);
+    for_each_likely(kernel, root, false, [&](const Inst& inst, bool checked) {
+      if (checked && ir::is_memory(inst.op) && !ir::limit_of(inst)) ++checks.per_wave;
       if (!ir::limit_of(inst)) return;
       const ir::Value limit = plain_limit(kernel, ir::limit_of(inst), guards);
       const bool varies = kernel.at(inst.operand[1]).rate == Rate::kLane || kernel.at(limit).rate == Rate::kLane;
@@ -91,9 +92,8 @@ void count_checks(const ir::Kernel& kernel, BoundsChecks& checks) {
 }
 
 void count_branches(const ir::Kernel& kernel, Branches& branches) {
-  ir::for_each_inst(kernel, kernel.wave, [&](ir::Value v) {
-    const Inst& inst = kernel.at(v);
-    if (!ir::has_regions(inst.op)) return;
+  for_each_likely(kernel, kernel.wave, false, [&](const Inst& inst, bool) {
+    if (!ir::has_regions(inst.op) || is_check(inst)) return;
     const ir::Value condition = inst.op == Op::kIf ? inst.operand[0] : ir::yielded(kernel, inst.region[0])[0];
     ++(kernel.at(condition).rate == Rate::kLane ? branches.divergent : branches.uniform);
   });

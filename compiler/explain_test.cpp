@@ -66,8 +66,8 @@ TEST(ExplainCompute, BoundsChecksByWhatDecidesThem) {
 store %p, %o, %sum limit %sixty
 )");
   EXPECT_EQ(sizes.checks.built, 4u);
-  EXPECT_EQ(sizes.checks.per_lane, 1u);  // %gathered
-  EXPECT_EQ(sizes.checks.per_wave, 2u);  // %row; the store, whose last lane is outside
+  EXPECT_EQ(sizes.checks.per_lane, 2u);  // %gathered; the store, of which the last lane is outside for certain
+  EXPECT_EQ(sizes.checks.per_wave, 1u);  // %row
 }
 
 constexpr const char* kBarriers = R"(

@@ -45,9 +45,9 @@ void explain_checks(const ComputeSizes& sizes, std::string& text) {
   const compiler::BoundsChecks& checks = sizes.checks;
   const uint32_t left = checks.known + checks.per_draw + checks.per_wave + checks.per_lane;
   if (checks.built == 0 && left == 0) return line(text, "bounds checks: none, no access can leave its buffer");
-  line(text, "bounds checks: of " + number(checks.built) + " accesses that could leave their buffer " +
-                 number(checks.built > left ? checks.built - left + checks.known : checks.known) +
-                 " are gone or inside by what constants tell; " + number(checks.per_draw) +
+  line(text, "bounds checks: " + number(checks.built) + " accesses that could leave their buffer are " + number(left) +
+                 " after the passes (copies of unrolled loops included); of those " + number(checks.known) +
+                 " are inside by what constants tell, " + number(checks.per_draw) +
                  " are checked once a dispatch or workgroup, " + number(checks.per_wave) + " by one comparison a wave, " +
                  number(checks.per_lane) + " lane by lane, but for those that the ifs and loops around them decide" +
                  (checks.indices ? "; " + number(checks.indices) + " indices lane by lane, as their offsets might wrap" : ""));

@@ -24,7 +24,7 @@ void expect_in(const std::string& text, std::initializer_list<const char*> wante
 TEST(Explain, ComputePipelineAndDispatch) {
   expect_in(explained("mandelbrot --size 100x60"),
             {"compute pipeline 'compute', workgroups of 16x16x1", "stores 1 -> 1", " 0 are uniform (a wave jumps), 4 may differ",
-             "bounds checks: of ", "barriers: none", "workgroup memory: none",
+             "bounds checks: ", "barriers: none", "workgroup memory: none",
              "dispatch of 'compute', 7x4x1 workgroups of 16x16x1: 28 workgroups, 448 waves, active lanes 256 of 256 (100 %)"});
 }
 
