@@ -6,6 +6,13 @@
 
 #include "tools/errors/shared_block.h"
 
+// The dynamic linker chooses among clones before ThreadSanitizer's runtime is there, which the choosing function would call.
+#ifdef __SANITIZE_THREAD__
+#define PINEDA_CLONES
+#else
+#define PINEDA_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#endif
+
 namespace pineda::tools {
 namespace {
 
@@ -22,10 +29,7 @@ struct Part {
 // The common case, written for the vectoriser: no branches, no calls; the largest error as an integer, which orders non-negative
 // binary64 values the same and is what a vector maximum may be made of without -ffast-math. Elements with an infinity or NaN that
 // are not plainly equal count as special and are left to the slow path.
-__attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"))) Part scan(const float* __restrict x,
-                                                                                        const double* __restrict exact,
-                                                                                        const float* __restrict got,
-                                                                                        uint32_t count) {
+PINEDA_CLONES Part scan(const float* __restrict x, const double* __restrict exact, const float* __restrict got, uint32_t count) {
   int64_t worst = 0, worst_denormal = 0, normal_count = 0, misrounded = 0, special = 0, near_ties = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const double e = exact[i], g = got[i], nearest = static_cast<float>(e), operand = x[i];
