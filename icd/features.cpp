@@ -3,6 +3,7 @@
 #include <cstring>
 #include <span>
 
+#include "icd/chain.h"
 #include "icd/limits.h"
 
 namespace pineda::icd {
@@ -181,7 +182,7 @@ std::span<const FeatureRow> rows() {
   return kRows;
 }
 
-const FeatureRow* find_row(VkStructureType type) {
+const FeatureRow* find_row(int32_t type) {
   for (const FeatureRow& row : rows()) {
     if (row.type == type) return &row;
   }
@@ -201,7 +202,8 @@ bool available(const void* wanted, std::span<const VkBool32> have) {
 
 void fill_features(void* chain) {
   for (auto* next = static_cast<VkBaseOutStructure*>(chain); next; next = next->pNext) {
-    if (const FeatureRow* row = find_row(next->sType)) std::memcpy(next + 1, row->available.data(), row->available.size_bytes());
+    if (const FeatureRow* row = find_row(type_number(next)))
+      std::memcpy(next + 1, row->available.data(), row->available.size_bytes());
   }
 }
 
@@ -213,9 +215,9 @@ bool features_available(const VkPhysicalDeviceFeatures& wanted) {
 
 bool features_available(const void* chain) {
   for (auto* next = static_cast<const VkBaseInStructure*>(chain); next; next = next->pNext) {
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) {
+    if (type_number(next) == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2) {
       if (!features_available(reinterpret_cast<const VkPhysicalDeviceFeatures2*>(next)->features)) return false;
-    } else if (const FeatureRow* row = find_row(next->sType)) {
+    } else if (const FeatureRow* row = find_row(type_number(next))) {
       if (!available(next + 1, row->available)) return false;
     }
   }

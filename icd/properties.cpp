@@ -7,6 +7,7 @@
 #include "base/abi.h"
 #include "compiler/build_id.h"
 #include "compiler/hash.h"
+#include "icd/chain.h"
 #include "icd/limits.h"
 #include "icd/physical_device.h"
 #include "icd/version.h"
@@ -177,7 +178,7 @@ constexpr PropertyRow kRows[] = {
 void fill_properties(void* chain) {
   for (auto* next = static_cast<VkBaseOutStructure*>(chain); next; next = next->pNext) {
     for (const PropertyRow& row : kRows) {
-      if (row.type == next->sType) row.fill(next);
+      if (row.type == type_number(next)) row.fill(next);
     }
   }
 }

@@ -72,6 +72,40 @@ TEST(IcdVersion11, ChainsAreFilledAndNothingElse) {
   EXPECT_EQ(subgroup.guard & id.guard & maintenance3.guard & driver.guard, ~0ull);
 }
 
+// Applications of later headers chain structures that this driver's headers do not name.
+TEST(IcdVersion11, StructuresOfUnknownTypesArePassedOver) {
+  breaks_on_purpose({"VUID-VkDeviceCreateInfo-pNext-pNext", "VUID-VkPhysicalDeviceFeatures2-pNext-pNext",
+                     "VUID-VkPhysicalDeviceProperties2-pNext-pNext"});
+  Client client;
+  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  VkBaseOutStructure unknown{};
+  const int32_t number = 0x55555555;
+  std::memcpy(&unknown.sType, &number, sizeof(number));
+  VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+  unknown.pNext = reinterpret_cast<VkBaseOutStructure*>(&multiview);
+  core.pNext = &unknown;
+  VK(client, GetPhysicalDeviceFeatures2)(client.physical, &core);
+  EXPECT_EQ(multiview.multiview, VK_TRUE);
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  unknown.pNext = reinterpret_cast<VkBaseOutStructure*>(&subgroup);
+  properties.pNext = &unknown;
+  VK(client, GetPhysicalDeviceProperties2)(client.physical, &properties);
+  EXPECT_NE(subgroup.subgroupSize, 0u);
+  const float priority = 1;
+  const VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
+  multiview.multiviewGeometryShader = VK_TRUE;  // not advertised: it is found behind the unknown one
+  unknown.pNext = reinterpret_cast<VkBaseOutStructure*>(&multiview);
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &unknown};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  VkDevice device = VK_NULL_HANDLE;
+  EXPECT_EQ(VK(client, CreateDevice)(client.physical, &info, nullptr, &device), VK_ERROR_FEATURE_NOT_PRESENT);
+  multiview.multiviewGeometryShader = VK_FALSE;
+  ASSERT_EQ(VK(client, CreateDevice)(client.physical, &info, nullptr, &device), VK_SUCCESS);
+  VK(client, DestroyDevice)(device, nullptr);
+}
+
 // Each bit of a chain alone: what is advertised can be enabled, what is not is refused.
 template <typename Struct>
 void expect_bits_are_honest(Client& client, VkStructureType type, size_t count) {

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -18,29 +19,39 @@ namespace pineda::tests::tools {
 
 using Words = std::vector<uint32_t>;
 
+// A file of its own among the temporary ones, gone with the object.
+class TemporaryFile {
+ public:
+  TemporaryFile() {
+    const int file = mkstemp(path_.data());
+    EXPECT_GE(file, 0) << path_;
+    if (file >= 0) close(file);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  ~TemporaryFile() { std::remove(path_.c_str()); }
+
+  const std::string& path() const { return path_; }
+  std::string contents() const {
+    std::ifstream in(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+ private:
+  std::string path_ = (std::filesystem::temp_directory_path() / "pineda-test-XXXXXX").string();
+};
+
 // Runs a tool that reads `text` from its standard input and gives the words that it writes.
 inline Words run_tool_now(const std::string& tool, const std::string& options, const std::string& text) {
-  char path[] = "/tmp/pineda-test-XXXXXX";
-  const int file = mkstemp(path);
-  if (file < 0) return {};
-  close(file);
-  const std::string log = std::string(path) + ".log";
-  const std::string command = tool + " " + options + " -o " + path + " > " + log + " 2>&1";
+  const TemporaryFile out, log;
+  const std::string command = tool + " " + options + " -o " + out.path() + " > " + log.path() + " 2>&1";
   FILE* pipe = popen(command.c_str(), "w");
   if (pipe) {
     fwrite(text.data(), 1, text.size(), pipe);
-    const int status = pclose(pipe);
-    if (status != 0) {
-      std::ifstream in(log);
-      ADD_FAILURE() << tool << " failed:\n" << std::string(std::istreambuf_iterator<char>(in), {}) << text;
-    }
+    if (pclose(pipe) != 0) ADD_FAILURE() << tool << " failed:\n" << log.contents() << text;
   }
-  std::ifstream in(path, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  const std::string bytes = out.contents();
   Words words(bytes.size() / 4);
   std::memcpy(words.data(), bytes.data(), words.size() * 4);
-  std::remove(path);
-  std::remove(log.c_str());
   return words;
 }
 
@@ -63,15 +74,10 @@ inline Words assembly(const std::string& text, const std::string& target = "spv1
 
 // spirv-opt makes other shapes of the same program: phis instead of variables, merged returns, unrolled loops.
 inline Words rewritten(const Words& words, const std::string& passes) {
-  char path[] = "/tmp/pineda-test-XXXXXX";
-  const int file = mkstemp(path);
-  if (file < 0) return {};
-  close(file);
-  std::ofstream(path, std::ios::binary)
+  const TemporaryFile in;
+  std::ofstream(in.path(), std::ios::binary)
       .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(words.size() * 4));
-  Words out = run_tool_now("spirv-opt", passes + " " + path, "");
-  std::remove(path);
-  return out;
+  return run_tool_now("spirv-opt", passes + " " + in.path(), "");
 }
 
 }  // namespace pineda::tests::tools

@@ -13,7 +13,8 @@ namespace pineda::test {
 bool is_validating();
 
 // What the test does against the rules on purpose, to see that the driver stays safe or gives the right error: the identifiers of
-// the rules ("VUID-vkCmdDraw-None-02697") that the layer must find broken, each at least once, before the test ends.
+// the rules ("VUID-vkCmdDraw-None-02697") that the layer must find broken, each at least once, before the test ends. Hazards
+// ("SYNC-HAZARD-…") are expected of synchronization validation only.
 void breaks_on_purpose(std::initializer_list<const char*> rules);
 
 // The test makes the driver lose its device. The layer does not take that as the end of what was submitted, as the specification
