@@ -25,10 +25,12 @@ class RenderScene : public Scene {
  public:
   explicit RenderScene(RenderTarget::Attachments attachments = RenderTarget::Attachments::kColour) : attachments_(attachments) {}
 
-  void set_samples(uint32_t samples) { samples_ = samples; }  // of a pixel; before prepare()
+  // Before prepare():
+  void set_samples(uint32_t samples) { samples_ = samples; }  // of a pixel
+  void set_depth_format(VkFormat format) { depth_format_ = format; }
 
   void prepare(VkContext& context, VkExtent2D extent) final {
-    target_ = std::make_unique<RenderTarget>(context, extent, attachments_, samples_);
+    target_ = std::make_unique<RenderTarget>(context, extent, attachments_, samples_, VK_FORMAT_R8G8B8A8_UNORM, depth_format_);
     create(context, *target_);
   }
   void record(VkCommandBuffer commands) const final {
@@ -46,12 +48,18 @@ class RenderScene : public Scene {
  private:
   RenderTarget::Attachments attachments_;
   uint32_t samples_ = 1;
+  VkFormat depth_format_ = VK_FORMAT_UNDEFINED;  // the usual one
   std::unique_ptr<RenderTarget> target_;
 };
 
 // A RenderScene, with `samples` samples a pixel.
 inline std::unique_ptr<Scene> with_samples(std::unique_ptr<Scene> scene, uint32_t samples) {
   dynamic_cast<RenderScene&>(*scene).set_samples(samples);
+  return scene;
+}
+// A RenderScene, whose depth attachment has another format.
+inline std::unique_ptr<Scene> with_depth_format(std::unique_ptr<Scene> scene, VkFormat format) {
+  dynamic_cast<RenderScene&>(*scene).set_depth_format(format);
   return scene;
 }
 

@@ -15,6 +15,8 @@ std::unique_ptr<Scene> make_mandelbrot_scene();
 std::unique_ptr<Scene> make_primitives_scene();
 enum class OitKind { kABuffer, kKBuffer };  // lists of all fragments; the four nearest
 std::unique_ptr<Scene> make_oit_scene(OitKind kind);
+std::unique_ptr<Scene> make_viewports_scene();
+std::unique_ptr<Scene> make_deferred_scene();
 std::unique_ptr<Scene> make_blocks_scene();
 std::unique_ptr<Scene> make_blits_scene();
 std::unique_ptr<Scene> make_model_scene(const std::string& path);

@@ -142,6 +142,7 @@ void VkContext::create_device() {
   const VkPhysicalDeviceFeatures features{.fillModeNonSolid = available.fillModeNonSolid,
                                           .wideLines = available.wideLines,
                                           .largePoints = available.largePoints,
+                                          .multiViewport = available.multiViewport,
                                           .samplerAnisotropy = available.samplerAnisotropy,
                                           .textureCompressionETC2 = available.textureCompressionETC2,
                                           .textureCompressionASTC_LDR = available.textureCompressionASTC_LDR,
@@ -151,6 +152,8 @@ void VkContext::create_device() {
                                           .shaderClipDistance = available.shaderClipDistance,
                                           .shaderFloat64 = available.shaderFloat64};
   has_maintenance1_ = has_device_extension(physical_device_, VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
+  has_viewport_index_ =
+      available.multiViewport && has_device_extension(physical_device_, VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME);
   VkPhysicalDeviceLineRasterizationFeaturesEXT lines{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_LINE_RASTERIZATION_FEATURES_EXT};
   VkPhysicalDeviceShaderFloat16Int8Features half{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_FLOAT16_INT8_FEATURES,
                                                  .shaderFloat16 = VK_TRUE};
@@ -165,6 +168,7 @@ void VkContext::create_device() {
   std::vector<const char*> extensions;
   void* chain = nullptr;
   if (has_maintenance1_) extensions.push_back(VK_KHR_MAINTENANCE_1_EXTENSION_NAME);
+  if (has_viewport_index_) extensions.push_back(VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME);
   if (has_half) {
     extensions.push_back(VK_KHR_SHADER_FLOAT16_INT8_EXTENSION_NAME);
     chain = &half;

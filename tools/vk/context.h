@@ -28,7 +28,8 @@ class VkContext {
 
   VkDevice device() const { return device_; }
   VkPhysicalDevice physical_device() const { return physical_device_; }
-  bool has_maintenance1() const { return has_maintenance1_; }  // viewports of negative height
+  bool has_maintenance1() const { return has_maintenance1_; }      // viewports of negative height
+  bool has_viewport_index() const { return has_viewport_index_; }  // several viewports, which the vertex shader chooses from
   VkQueue queue() const { return queue_; }
   DeviceInfo info() const;
   bool samples(VkFormat format) const;       // whether images of it can be sampled with linear filtering
@@ -50,7 +51,7 @@ class VkContext {
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   uint32_t queue_family_ = 0;
-  bool has_maintenance1_ = false;
+  bool has_maintenance1_ = false, has_viewport_index_ = false;
   VkPhysicalDeviceMemoryProperties memory_properties_{};
   CommandPoolHandle command_pool_;
   FenceHandle fence_;

@@ -62,10 +62,11 @@ PipelineLayoutHandle create_pipeline_layout(VkContext& context, std::span<const 
 
 DescriptorAllocator::DescriptorAllocator(VkContext& context, uint32_t max_sets, uint32_t descriptors_per_type)
     : device_(context.device()) {
-  const std::array<VkDescriptorPoolSize, 3> sizes{
+  const std::array<VkDescriptorPoolSize, 4> sizes{
       VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, descriptors_per_type},
       VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, descriptors_per_type},
-      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, descriptors_per_type}};
+      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, descriptors_per_type},
+      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, descriptors_per_type}};
   const VkDescriptorPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                         .maxSets = max_sets,
                                         .poolSizeCount = static_cast<uint32_t>(sizes.size()),
@@ -97,18 +98,32 @@ void DescriptorAllocator::write_buffer(VkDescriptorSet set, uint32_t binding, Vk
 }
 
 void DescriptorAllocator::write_texture(VkDescriptorSet set, uint32_t binding, const Image2D& texture, VkSampler sampler) {
+  write_image(set, binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, texture, sampler);
+}
+
+void DescriptorAllocator::write_input_attachment(VkDescriptorSet set, uint32_t binding, const Image2D& image) {
+  write_image(set, binding, VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT, image, VK_NULL_HANDLE);
+}
+
+void DescriptorAllocator::write_image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const Image2D& image,
+                                      VkSampler sampler) {
   const VkDescriptorImageInfo image_info{
-      .sampler = sampler, .imageView = texture.view, .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+      .sampler = sampler, .imageView = image.view, .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                    .dstSet = set,
                                    .dstBinding = binding,
                                    .descriptorCount = 1,
-                                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                   .descriptorType = type,
                                    .pImageInfo = &image_info};
   vkUpdateDescriptorSets(device_, 1, &write, 0, nullptr);
 }
 
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc) {
+  const PipelineTarget known{target.render_pass(), 0, target.extent(), target.samples(), target.has_colour() ? 1u : 0u};
+  return create_graphics_pipeline(context, known, desc);
+}
+
+PipelineHandle create_graphics_pipeline(VkContext& context, const PipelineTarget& target, const GraphicsPipelineDesc& desc) {
   const ShaderModuleHandle vertex_module = create_shader_module(context, desc.vertex_shader);
   std::vector<VkPipelineShaderStageCreateInfo> stages{
       stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex_module, desc.vertex_specialization)};
@@ -125,21 +140,22 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
       .pVertexAttributeDescriptions = desc.vertex_attributes.data()};
   VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
                                                   .topology = desc.topology};
-  const VkExtent2D extent = target.extent();
-  const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
-  const VkRect2D scissor{{0, 0}, extent};
+  const VkViewport viewport{0, 0, static_cast<float>(target.extent.width), static_cast<float>(target.extent.height), 0, 1};
+  const VkRect2D scissor{{0, 0}, target.extent};
+  const bool has_viewports = !desc.viewports.empty();
+  const auto viewport_count = has_viewports ? static_cast<uint32_t>(desc.viewports.size()) : 1;
   const VkPipelineViewportStateCreateInfo viewport_state{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-                                                         .viewportCount = 1,
-                                                         .pViewports = &viewport,
-                                                         .scissorCount = 1,
-                                                         .pScissors = &scissor};
+                                                         .viewportCount = viewport_count,
+                                                         .pViewports = has_viewports ? desc.viewports.data() : &viewport,
+                                                         .scissorCount = viewport_count,
+                                                         .pScissors = has_viewports ? desc.scissors.data() : &scissor};
   VkPipelineRasterizationStateCreateInfo rasterization{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
                                                        .polygonMode = desc.polygon_mode,
                                                        .cullMode = desc.cull_mode,
                                                        .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
                                                        .lineWidth = desc.line_width};
   const VkPipelineMultisampleStateCreateInfo multisample{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-                                                         .rasterizationSamples = target.samples()};
+                                                         .rasterizationSamples = target.samples};
   VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
                                               .depthTestEnable = desc.depth_test,
                                               .depthWriteEnable = desc.depth_write,
@@ -148,9 +164,10 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
   VkPipelineRasterizationLineStateCreateInfoEXT line{.sType =
                                                          VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_LINE_STATE_CREATE_INFO_EXT};
   if (desc.adjust) desc.adjust({assembly, rasterization, line, depth, attachment});
+  const std::vector<VkPipelineColorBlendAttachmentState> attachments(target.colour_count, attachment);
   const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                                  .attachmentCount = target.has_colour() ? 1u : 0u,
-                                                  .pAttachments = &attachment,
+                                                  .attachmentCount = target.colour_count,
+                                                  .pAttachments = attachments.data(),
                                                   .blendConstants = {0.25f, 0.5f, 0.75f, 0.375f}};
   const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                           .stageCount = static_cast<uint32_t>(stages.size()),
@@ -163,7 +180,8 @@ PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& 
                                           .pDepthStencilState = &depth,
                                           .pColorBlendState = &blend,
                                           .layout = desc.layout,
-                                          .renderPass = target.render_pass()};
+                                          .renderPass = target.render_pass,
+                                          .subpass = target.subpass};
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateGraphicsPipelines(context.device(), desc.cache, 1, &info, nullptr, &pipeline), "vkCreateGraphicsPipelines");
   return {context.device(), pipeline};

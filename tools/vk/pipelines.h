@@ -24,15 +24,18 @@ DescriptorSetLayoutHandle create_set_layout(VkContext& context, std::span<const 
 PipelineLayoutHandle create_pipeline_layout(VkContext& context, std::span<const VkDescriptorSetLayout> sets,
                                             std::span<const VkPushConstantRange> push_constants);
 
-// A pool for sets of uniform buffers, storage buffers and combined image samplers.
+// A pool for sets of uniform buffers, storage buffers, combined image samplers and input
+// attachments.
 class DescriptorAllocator {
  public:
   DescriptorAllocator(VkContext& context, uint32_t max_sets, uint32_t descriptors_per_type);
   VkDescriptorSet allocate(VkDescriptorSetLayout layout);
   void write_buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const Buffer& buffer);
   void write_texture(VkDescriptorSet set, uint32_t binding, const Image2D& texture, VkSampler sampler);
+  void write_input_attachment(VkDescriptorSet set, uint32_t binding, const Image2D& image);
 
  private:
+  void write_image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const Image2D& image, VkSampler sampler);
   VkDevice device_;
   DescriptorPoolHandle pool_;
 };
@@ -60,10 +63,23 @@ struct GraphicsPipelineDesc {
   VkPolygonMode polygon_mode = VK_POLYGON_MODE_FILL;
   float line_width = 1;
   VkPipelineCache cache = VK_NULL_HANDLE;
+  std::vector<VkViewport> viewports;  // with a scissor for each; empty: one, the whole target
+  std::vector<VkRect2D> scissors;
   std::function<void(const PipelineParts&)> adjust;  // has the last word
 };
 
 ShaderModuleHandle create_shader_module(VkContext& context, Spirv words);
+
+// What a pipeline has to know of what it draws to.
+struct PipelineTarget {
+  VkRenderPass render_pass = VK_NULL_HANDLE;
+  uint32_t subpass = 0;
+  VkExtent2D extent{};
+  VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+  uint32_t colour_count = 1;  // all blended alike
+};
+
+PipelineHandle create_graphics_pipeline(VkContext& context, const PipelineTarget& target, const GraphicsPipelineDesc& desc);
 PipelineHandle create_graphics_pipeline(VkContext& context, const RenderTarget& target, const GraphicsPipelineDesc& desc);
 PipelineHandle create_compute_pipeline(VkContext& context, Spirv shader, VkPipelineLayout layout,
                                        const VkSpecializationInfo* specialization = nullptr,

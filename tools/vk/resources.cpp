@@ -144,8 +144,8 @@ SamplerHandle create_trilinear_sampler(VkContext& context) {
 }
 
 RenderTarget::RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples,
-                           VkFormat colour_format)
-    : extent_(extent), attachments_(attachments), colour_format_(colour_format) {
+                           VkFormat colour_format, VkFormat other_depth_format)
+    : extent_(extent), attachments_(attachments), colour_format_(colour_format), depth_format_(other_depth_format) {
   while (samples > 1 && !(context.sample_counts() & samples)) samples /= 2;
   samples_ = static_cast<VkSampleCountFlagBits>(samples);
   std::vector<VkImageView> views;

@@ -49,14 +49,15 @@ SamplerHandle create_trilinear_sampler(VkContext& context);
 void transition(VkCommandBuffer commands, const Image2D& image, VkImageLayout from, VkImageLayout to, VkAccessFlags source_access,
                 VkAccessFlags target_access, VkPipelineStageFlags source_stage, VkPipelineStageFlags target_stage);
 
-// A colour image (RGBA8 unless another format is asked for), with D32 depth if wanted, the render pass that clears both and
+// A colour image (RGBA8 unless another format is asked for), with depth if wanted (D32 unless another
+// format is asked for), the render pass that clears both and
 // leaves the colour ready to be read back.
 class RenderTarget {
  public:
   enum class Attachments { kColour, kColourDepth, kColourStencil, kDepth };  // kColourStencil: D32 with S8
   // With several samples a pixel the colour is resolved at the pass's end; of those asked for, as many as the driver has.
   RenderTarget(VkContext& context, VkExtent2D extent, Attachments attachments, uint32_t samples = 1,
-               VkFormat colour_format = VK_FORMAT_R8G8B8A8_UNORM);
+               VkFormat colour_format = VK_FORMAT_R8G8B8A8_UNORM, VkFormat other_depth_format = VK_FORMAT_UNDEFINED);
 
   void begin(VkCommandBuffer commands, std::array<float, 4> clear_colour) const;
   VkExtent2D extent() const { return extent_; }
@@ -64,6 +65,7 @@ class RenderTarget {
   bool has_colour() const { return attachments_ != Attachments::kDepth; }
   bool has_depth() const { return attachments_ != Attachments::kColour; }
   VkFormat depth_format() const {
+    if (depth_format_ != VK_FORMAT_UNDEFINED) return depth_format_;
     return attachments_ == Attachments::kColourStencil ? VK_FORMAT_D32_SFLOAT_S8_UINT : VK_FORMAT_D32_SFLOAT;
   }
   const Image2D& colour() const { return colour_; }
@@ -75,7 +77,7 @@ class RenderTarget {
 
   VkExtent2D extent_;
   Attachments attachments_;
-  VkFormat colour_format_;
+  VkFormat colour_format_, depth_format_;  // depth: UNDEFINED for the usual one
   VkSampleCountFlagBits samples_;
   Image2D colour_, samples_colour_, depth_;
   RenderPassHandle render_pass_;
