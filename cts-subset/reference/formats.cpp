@@ -143,70 +143,73 @@ FormatInfo packed_format(VkFormat format, const char* name, std::string_view ord
 std::vector<FormatInfo> make_table() {
   using N = Numeric;
   std::vector<FormatInfo> table;
-#define ARRAY8(R, order)                                                                        \
-  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 8, N::kUnorm));       \
-  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 8, N::kSnorm));       \
-  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 8, N::kUscaled)); \
-  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 8, N::kSscaled)); \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 8, N::kUint));          \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 8, N::kSint));          \
-  table.push_back(array_format(VK_FORMAT_##R##_SRGB, #R "_SRGB", order, 8, N::kSrgb));
-#define ARRAY16(R, order)                                                                        \
-  table.push_back(array_format(VK_FORMAT_##R##_UNORM, #R "_UNORM", order, 16, N::kUnorm));       \
-  table.push_back(array_format(VK_FORMAT_##R##_SNORM, #R "_SNORM", order, 16, N::kSnorm));       \
-  table.push_back(array_format(VK_FORMAT_##R##_USCALED, #R "_USCALED", order, 16, N::kUscaled)); \
-  table.push_back(array_format(VK_FORMAT_##R##_SSCALED, #R "_SSCALED", order, 16, N::kSscaled)); \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 16, N::kUint));          \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 16, N::kSint));          \
-  table.push_back(array_format(VK_FORMAT_##R##_SFLOAT, #R "_SFLOAT", order, 16, N::kSfloat));
-#define ARRAY32(R, order)                                                               \
-  table.push_back(array_format(VK_FORMAT_##R##_UINT, #R "_UINT", order, 32, N::kUint)); \
-  table.push_back(array_format(VK_FORMAT_##R##_SINT, #R "_SINT", order, 32, N::kSint)); \
-  table.push_back(array_format(VK_FORMAT_##R##_SFLOAT, #R "_SFLOAT", order, 32, N::kSfloat));
-#define PACKED(F, order, numeric, ...) table.push_back(packed_format(VK_FORMAT_##F, #F, order, {__VA_ARGS__}, numeric));
-  ARRAY8(R8, "r")
-  ARRAY8(R8G8, "rg")
-  ARRAY8(R8G8B8, "rgb")
-  ARRAY8(B8G8R8, "bgr")
-  ARRAY8(R8G8B8A8, "rgba")
-  ARRAY8(B8G8R8A8, "bgra")
-  ARRAY16(R16, "r")
-  ARRAY16(R16G16, "rg")
-  ARRAY16(R16G16B16, "rgb")
-  ARRAY16(R16G16B16A16, "rgba")
-  ARRAY32(R32, "r") ARRAY32(R32G32, "rg") ARRAY32(R32G32B32, "rgb") ARRAY32(R32G32B32A32, "rgba") PACKED(
-      R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4) PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4)
-      PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4) PACKED(
-          A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4) PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4)
-          PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5) PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5) PACKED(
-              R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1) PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1)
-              PACKED(A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5)
-                  PACKED(A8B8G8R8_UNORM_PACK32, "abgr", N::kUnorm, 8, 8, 8,
-                         8) PACKED(A8B8G8R8_SNORM_PACK32, "abgr", N::kSnorm, 8, 8, 8, 8) PACKED(A8B8G8R8_USCALED_PACK32, "abgr",
-                                                                                                N::kUscaled, 8, 8, 8, 8)
-                      PACKED(A8B8G8R8_SSCALED_PACK32, "abgr", N::kSscaled, 8, 8, 8,
-                             8) PACKED(A8B8G8R8_UINT_PACK32, "abgr", N::kUint, 8, 8, 8, 8)
-                          PACKED(A8B8G8R8_SINT_PACK32, "abgr", N::kSint, 8, 8, 8,
-                                 8) PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8, 8)
-                              PACKED(A2R10G10B10_UNORM_PACK32, "argb", N::kUnorm, 2, 10, 10,
-                                     10) PACKED(A2R10G10B10_SNORM_PACK32, "argb", N::kSnorm, 2, 10, 10,
-                                                10) PACKED(A2R10G10B10_USCALED_PACK32, "argb", N::kUscaled, 2, 10, 10, 10)
-                                  PACKED(A2R10G10B10_SSCALED_PACK32, "argb", N::kSscaled, 2, 10, 10,
-                                         10) PACKED(A2R10G10B10_UINT_PACK32, "argb", N::kUint, 2, 10, 10, 10)
-                                      PACKED(A2R10G10B10_SINT_PACK32, "argb", N::kSint, 2, 10, 10, 10)
-                                          PACKED(A2B10G10R10_UNORM_PACK32, "abgr", N::kUnorm, 2, 10, 10, 10)
-                                              PACKED(A2B10G10R10_SNORM_PACK32, "abgr", N::kSnorm, 2, 10, 10, 10)
-                                                  PACKED(A2B10G10R10_USCALED_PACK32, "abgr", N::kUscaled, 2, 10, 10, 10)
-                                                      PACKED(A2B10G10R10_SSCALED_PACK32, "abgr", N::kSscaled, 2, 10, 10, 10)
-                                                          PACKED(A2B10G10R10_UINT_PACK32, "abgr", N::kUint, 2, 10, 10, 10) PACKED(
-                                                              A2B10G10R10_SINT_PACK32, "abgr", N::kSint, 2, 10, 10, 10)
-                                                              PACKED(B10G11R11_UFLOAT_PACK32, "bgr", N::kUfloat, 10, 11, 11)
-                                                                  PACKED(E5B9G9R9_UFLOAT_PACK32, "ebgr", N::kUfloat, 5, 9, 9, 9)
+#define ARRAY(F, SUFFIX, order, bits, numeric) \
+  table.push_back(array_format(VK_FORMAT_##F##_##SUFFIX, #F "_" #SUFFIX, order, bits, numeric))
+#define INTEGERS(F, order, bits)         \
+  ARRAY(F, UINT, order, bits, N::kUint); \
+  ARRAY(F, SINT, order, bits, N::kSint)
+#define FIXED_POINT(F, order, bits)            \
+  ARRAY(F, UNORM, order, bits, N::kUnorm);     \
+  ARRAY(F, SNORM, order, bits, N::kSnorm);     \
+  ARRAY(F, USCALED, order, bits, N::kUscaled); \
+  ARRAY(F, SSCALED, order, bits, N::kSscaled); \
+  INTEGERS(F, order, bits)
+#define ARRAY8(F, order)    \
+  FIXED_POINT(F, order, 8); \
+  ARRAY(F, SRGB, order, 8, N::kSrgb)
+#define ARRAY16(F, order)    \
+  FIXED_POINT(F, order, 16); \
+  ARRAY(F, SFLOAT, order, 16, N::kSfloat)
+#define ARRAY32(F, order) \
+  INTEGERS(F, order, 32); \
+  ARRAY(F, SFLOAT, order, 32, N::kSfloat)
+#define PACKED(F, order, numeric, ...) table.push_back(packed_format(VK_FORMAT_##F, #F, order, {__VA_ARGS__}, numeric))
+#define PACKED32(F, order, ...)                                \
+  PACKED(F##_UNORM_PACK32, order, N::kUnorm, __VA_ARGS__);     \
+  PACKED(F##_SNORM_PACK32, order, N::kSnorm, __VA_ARGS__);     \
+  PACKED(F##_USCALED_PACK32, order, N::kUscaled, __VA_ARGS__); \
+  PACKED(F##_SSCALED_PACK32, order, N::kSscaled, __VA_ARGS__); \
+  PACKED(F##_UINT_PACK32, order, N::kUint, __VA_ARGS__);       \
+  PACKED(F##_SINT_PACK32, order, N::kSint, __VA_ARGS__)
+  ARRAY8(R8, "r");
+  ARRAY8(R8G8, "rg");
+  ARRAY8(R8G8B8, "rgb");
+  ARRAY8(B8G8R8, "bgr");
+  ARRAY8(R8G8B8A8, "rgba");
+  ARRAY8(B8G8R8A8, "bgra");
+  ARRAY16(R16, "r");
+  ARRAY16(R16G16, "rg");
+  ARRAY16(R16G16B16, "rgb");
+  ARRAY16(R16G16B16A16, "rgba");
+  ARRAY32(R32, "r");
+  ARRAY32(R32G32, "rg");
+  ARRAY32(R32G32B32, "rgb");
+  ARRAY32(R32G32B32A32, "rgba");
+  PACKED(R4G4_UNORM_PACK8, "rg", N::kUnorm, 4, 4);
+  PACKED(R4G4B4A4_UNORM_PACK16, "rgba", N::kUnorm, 4, 4, 4, 4);
+  PACKED(B4G4R4A4_UNORM_PACK16, "bgra", N::kUnorm, 4, 4, 4, 4);
+  PACKED(A4R4G4B4_UNORM_PACK16, "argb", N::kUnorm, 4, 4, 4, 4);
+  PACKED(A4B4G4R4_UNORM_PACK16, "abgr", N::kUnorm, 4, 4, 4, 4);
+  PACKED(R5G6B5_UNORM_PACK16, "rgb", N::kUnorm, 5, 6, 5);
+  PACKED(B5G6R5_UNORM_PACK16, "bgr", N::kUnorm, 5, 6, 5);
+  PACKED(R5G5B5A1_UNORM_PACK16, "rgba", N::kUnorm, 5, 5, 5, 1);
+  PACKED(B5G5R5A1_UNORM_PACK16, "bgra", N::kUnorm, 5, 5, 5, 1);
+  PACKED(A1R5G5B5_UNORM_PACK16, "argb", N::kUnorm, 1, 5, 5, 5);
+  PACKED32(A8B8G8R8, "abgr", 8, 8, 8, 8);
+  PACKED(A8B8G8R8_SRGB_PACK32, "abgr", N::kSrgb, 8, 8, 8, 8);
+  PACKED32(A2R10G10B10, "argb", 2, 10, 10, 10);
+  PACKED32(A2B10G10R10, "abgr", 2, 10, 10, 10);
+  PACKED(B10G11R11_UFLOAT_PACK32, "bgr", N::kUfloat, 10, 11, 11);
+  PACKED(E5B9G9R9_UFLOAT_PACK32, "ebgr", N::kUfloat, 5, 9, 9, 9);
+#undef ARRAY
+#undef INTEGERS
+#undef FIXED_POINT
 #undef ARRAY8
 #undef ARRAY16
 #undef ARRAY32
 #undef PACKED
-                                                                      return table;
+#undef PACKED32
+  return table;
 }
 
 constexpr std::string_view kColourNames = "rgba";
