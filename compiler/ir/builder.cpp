@@ -142,10 +142,11 @@ void Builder::store(const Address& to, Value value, uint8_t flags) {
           .imm = static_cast<uint64_t>(to.lane_stride) << 32});
 }
 
-Value Builder::atomic(AtomicOp op, const Address& at, Value value, Value comparand) {
+Value Builder::atomic(AtomicOp op, const Address& at, Value value, Value comparand, uint8_t flags) {
   const Value offset = at.offset ? at.offset : i32(0);
   return append({.op = Op::kAtomic,
                  .type = type(value),
+                 .flags = flags,
                  .operand = {at.base, offset, value, at.limit, comparand},
                  .imm = static_cast<uint64_t>(at.lane_stride) << 32 | static_cast<uint64_t>(op)});
 }

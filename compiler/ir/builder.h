@@ -105,7 +105,7 @@ class Builder {
     return load(type, Address{.base = base, .offset = i32(offset_bytes)}, flags);
   }
   void store(const Address& to, Value value, uint8_t flags = 0);  // inserts FCanon as bitcast does
-  Value atomic(AtomicOp op, const Address& at, Value value, Value comparand = {});
+  Value atomic(AtomicOp op, const Address& at, Value value, Value comparand = {}, uint8_t flags = 0);
   Value local(Type element, uint32_t count) { return op(Op::kLocal, element, {}, count); }
   Value local_load(Value local, Value index) { return op(Op::kLocalLoad, type(local), {local, index}); }
   void local_store(Value local, Value index, Value value) { op(Op::kLocalStore, Type::kVoid, {local, index, value}); }

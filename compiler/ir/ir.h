@@ -124,6 +124,7 @@ inline constexpr uint8_t kAllLanes = 4;    // Store: writes all 16 lanes whateve
 inline constexpr uint8_t kNoContract = 8;  // FAdd, FSub, FMul: never fused (SPIR-V NoContraction)
 inline constexpr uint8_t kVolatile = 16;   // Load: never merged with another or moved (atomic loads: another thread may write)
 inline constexpr uint8_t kLikely = 32;     // If: mostly its first region runs
+inline constexpr uint8_t kPrivate = 64;    // Atomic: no other thread touches this memory while the kernel runs
 
 inline constexpr uint32_t kMaxOperands = 5;
 inline constexpr uint64_t kMaxRecordBytes = 4096;  // of a Call

@@ -360,7 +360,8 @@ class Generator {
     const Value offset = b_.imul(b_.urem(any(Type::kI32), b_.i32(kScratchBytes / size + 2)), b_.i32(size));
     const auto op = static_cast<AtomicOp>(random_.below(static_cast<uint32_t>(AtomicOp::kCompareExchange) + 1));
     const Value comparand = op == AtomicOp::kCompareExchange ? any(t) : Value{};
-    keep(b_.atomic(op, {scratch_, offset, b_.i32(kScratchBytes), random_.one_in(3) ? size : 0}, any(t), comparand));
+    keep(b_.atomic(op, {scratch_, offset, b_.i32(kScratchBytes), random_.one_in(3) ? size : 0}, any(t), comparand,
+                   random_.one_in(2) ? kPrivate : uint8_t{0}));
   }
 
   void store_final(uint32_t slot, Value v, uint8_t flags) {

@@ -18,7 +18,8 @@ struct FlagName {
   const char* text;
 };
 inline constexpr FlagName kFlagNames[] = {{kInvariant, "invariant"},    {kSpeculate, "speculate"}, {kAllLanes, "all_lanes"},
-                                          {kNoContract, "no_contract"}, {kVolatile, "volatile"},   {kLikely, "likely"}};
+                                          {kNoContract, "no_contract"}, {kVolatile, "volatile"},   {kLikely, "likely"},
+                                          {kPrivate, "private"}};
 
 // Instructions that have a %name: those with a value, and If and Loop, which Result refers to.
 inline bool is_named(const Inst& inst) { return inst.type != Type::kVoid || inst.op == Op::kIf || inst.op == Op::kLoop; }

@@ -289,6 +289,7 @@ class Verifier {
     if (inst.op == Op::kLoad) allowed = kInvariant | kSpeculate | kVolatile;
     if (inst.op == Op::kStore) allowed = kAllLanes;
     if (inst.op == Op::kIf) allowed = kLikely;
+    if (inst.op == Op::kAtomic) allowed = kPrivate;
     if (inst.op == Op::kFAdd || inst.op == Op::kFSub || inst.op == Op::kFMul) allowed = kNoContract;
     if (inst.flags & ~allowed) return "has a flag that it cannot have";
     if (!has_regions(inst.op) && (inst.region[0] != 0 || inst.region[1] != 0)) return "has a region";

@@ -247,6 +247,8 @@ class Emitter {
   // ---- emit_atomic.cpp
   V emit_atomic(const ir::Inst& inst);
   V atomic_fadd(V at, V value);
+  V modified(ir::AtomicOp op, V old, V value, V expected);
+  V add_float_bits(V a, V b);
 
   // ---- emit_local.cpp
   void create_locals();

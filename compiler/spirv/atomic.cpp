@@ -52,8 +52,10 @@ Value operand(Translator& t, const Instruction& inst, uint32_t word, const Targe
 }
 
 void run(Translator& t, const Instruction& inst, const Target& target, AtomicOp op, Value value, Value comparand = {}) {
-  const Value old =
-      t.effect_value(target.bits, [&] { return t.b.atomic(op, t.atomic_address(inst, target.pointer), value, comparand); });
+  // The waves of a workgroup run one after the other on one thread.
+  const uint8_t flags = target.pointer.storage == spv::StorageClassWorkgroup ? ir::kPrivate : 0;
+  const Value old = t.effect_value(
+      target.bits, [&] { return t.b.atomic(op, t.atomic_address(inst, target.pointer), value, comparand, flags); });
   t.define(inst, Values{t.b.bitcast(target.type, old)});
 }
 
