@@ -10,6 +10,37 @@ using tests::tools::assembly;
 using tests::tools::glsl;
 using Words = std::vector<uint32_t>;
 
+// Parts of a module in assembly for 16 invocations that read one storage buffer, %in (binding 0), and write another, %out: arrays
+// of %element. %id is the built-in that tells invocations apart; %uint has to be declared before the variables.
+inline std::string buffers_head(const std::string& built_in, const std::string& modes, uint32_t stride_bytes) {
+  return R"(
+OpMemoryModel Logical GLSL450
+OpEntryPoint GLCompute %main "main" %id
+OpExecutionMode %main LocalSize 16 1 1
+)" + modes +
+         "\nOpDecorate %id BuiltIn " + built_in + "\nOpDecorate %array ArrayStride " + std::to_string(stride_bytes) + R"(
+OpDecorate %block BufferBlock
+OpMemberDecorate %block 0 Offset 0
+OpDecorate %in DescriptorSet 0
+OpDecorate %in Binding 0
+OpDecorate %out DescriptorSet 0
+OpDecorate %out Binding 1
+%void = OpTypeVoid
+%fn = OpTypeFunction %void
+)";
+}
+inline std::string buffers_variables(const std::string& element, const std::string& id_type) {
+  return "%array = OpTypeRuntimeArray " + element + R"(
+%block = OpTypeStruct %array
+%pblock = OpTypePointer Uniform %block
+%pelement = OpTypePointer Uniform )" +
+         element + "\n%pid = OpTypePointer Input " + id_type + R"(
+%in = OpVariable %pblock Uniform
+%out = OpVariable %pblock Uniform
+%id = OpVariable %pid Input
+)";
+}
+
 inline constexpr uint32_t kTargetSize = 16;  // pixels a side
 inline constexpr VkFormat kTargetFormat = VK_FORMAT_R32G32B32A32_UINT;
 
