@@ -103,8 +103,8 @@ void pack_clear_color(const FormatInfo& format, const VkClearColorValue& color, 
 }
 
 void pack_depth(const FormatInfo& format, float depth, uint8_t* out) {
-  float z = 0.0f < depth ? depth : 0.0f;
-  z = 1.0f < z ? 1.0f : z;
+  const bool is_float = format.numeric == Numeric::kSfloat;  // whose depths may be unrestricted
+  const float z = is_float ? (std::isnan(depth) ? 0.0f : depth) : std::clamp(0.0f < depth ? depth : 0.0f, 0.0f, 1.0f);
   uint32_t word = 0;
   switch (format.component[0].bits) {
     case 16:

@@ -76,6 +76,7 @@ struct DepthState {
   bool test_enable = false, write_enable = false;
   VkCompareOp compare = VK_COMPARE_OP_ALWAYS;
   bool bounds_test = false;
+  bool unrestricted = false;  // VK_EXT_depth_range_unrestricted: depths of float formats are not clamped to [0, 1]
 };
 
 struct StencilFace {  // masks and reference are in the DrawContext

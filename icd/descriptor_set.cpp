@@ -1,7 +1,5 @@
 #include "icd/descriptor_set.h"
 
-#include <sys/mman.h>
-
 #include <cstring>
 
 #include "icd/api.h"
@@ -43,11 +41,6 @@ struct Cursor {
 };
 
 }  // namespace
-
-const void* unbound_set_memory() {
-  static const void* const kZeros = mmap(nullptr, kMaxSetBytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  return kZeros == MAP_FAILED ? nullptr : kZeros;
-}
 
 DescriptorSet::DescriptorSet(const Allocator& from, const DescriptorSetLayout& layout, const DescriptorCounts& counts)
     : Object(from),

@@ -10,9 +10,6 @@
 
 namespace pineda::icd {
 
-// Read-only zeros as large as the largest set. A set that was never bound points here: its descriptors have size 0, so reads
-// through them give zero and stores do nothing. (Using one is invalid, but must not crash.) Null when the mapping failed.
-const void* unbound_set_memory();
 inline constexpr uint32_t kMaxSetBytes = 256u << 20;  // more than kMaxUpdateAfterBindDescriptors of any type
 
 // Descriptors of each core type, indexed by VkDescriptorType.

@@ -20,6 +20,7 @@
 #include "icd/physical_device.h"
 #include "icd/scheduler.h"
 #include "icd/texture_state.h"
+#include "icd/unbound_set.h"
 #include "icd/watchdog.h"
 #include "raster/thread_pool.h"
 
@@ -34,6 +35,7 @@ class Device : public Dispatchable, public Object {
   TextureStates texture_states;
   compiler::SampleFunctions sample_functions;
   AddressTable addresses;
+  UnboundSet unbound_set;
   Background background;       // better kernels than those in use
   Background code_generation;  // the kernels of new pipelines
   raster::ThreadPool pool;     // used by whoever holds the scheduler's baton

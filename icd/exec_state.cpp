@@ -5,6 +5,7 @@
 #include "icd/buffer.h"
 #include "icd/compute_pipeline.h"
 #include "icd/descriptor_set.h"
+#include "icd/device.h"
 #include "icd/executor.h"
 
 namespace pineda::icd {
@@ -87,7 +88,7 @@ void Executor::execute(const cmd::BindDescriptorSets& command) {
   for (size_t i = 0; i < command.sets.size(); ++i) {
     const DescriptorSet* set = from(command.sets[i]);
     to.sets[command.first_set + i] = set;
-    to.context.sets[command.first_set + i] = set ? set->memory() : unbound_set_memory();
+    to.context.sets[command.first_set + i] = set ? set->memory() : device_.unbound_set.memory();
   }
   const size_t room = kMaxDynamicOffsets - std::min(command.dynamic_base, kMaxDynamicOffsets);
   std::copy_n(command.dynamic_offsets.data(), std::min(room, command.dynamic_offsets.size()),

@@ -60,7 +60,7 @@ Executor::Executor(Device& device) : device_(device), arena_(device.allocator, V
 
 void Executor::reset_state() {
   graphics_ = {};
-  std::ranges::fill(graphics_.context.sets, unbound_set_memory());
+  std::ranges::fill(graphics_.context.sets, device_.unbound_set.memory());
   set_srgb_tables(graphics_.context);
   graphics_.context.sample = device_.sample_functions.handle();
   if (addresses_) {

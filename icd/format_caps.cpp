@@ -141,7 +141,7 @@ VkFormatProperties format_properties(VkFormat format) {
 VkResult image_format_properties(const ImageQuery& asked, VkImageFormatProperties* out) {
   *out = {};
   ImageQuery query = asked;
-  query.usage = known_usage(asked.usage);
+  query.usage = known_usage(asked.usage | asked.stencil_usage);  // features are those of both aspects
   const FormatInfo* info = find_format(query.format);
   if (!info) return VK_ERROR_FORMAT_NOT_SUPPORTED;
   if (query.tiling != VK_IMAGE_TILING_LINEAR && query.tiling != VK_IMAGE_TILING_OPTIMAL) return VK_ERROR_FORMAT_NOT_SUPPORTED;

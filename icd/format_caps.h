@@ -14,6 +14,7 @@ struct ImageQuery {
   VkImageTiling tiling;
   VkImageUsageFlags usage;
   VkImageCreateFlags flags;
+  VkImageUsageFlags stencil_usage = 0;  // VkImageStencilUsageCreateInfo: beside `usage`
 };
 
 // VK_ERROR_FORMAT_NOT_SUPPORTED when no such image can be made.

@@ -12,7 +12,7 @@ namespace pineda::icd {
 GraphicsPipeline::~GraphicsPipeline() { device.background.cancel(this); }
 
 VkResult GraphicsPipeline::init(const VkGraphicsPipelineCreateInfo& info, compiler::CodeStore* store) {
-  if (const VkResult result = translate_graphics_state(info, &state_); result != VK_SUCCESS) return result;
+  if (const VkResult result = translate_graphics_state(device, info, &state_); result != VK_SUCCESS) return result;
   const PipelineLayout& layout = *from(info.layout);
   layout_ = layout.compiler_layout();
   for (uint32_t i = 0; i < info.stageCount; ++i) {

@@ -7,6 +7,7 @@
 #include "base/format.h"
 #include "base/sample_locations.h"
 #include "icd/chain.h"
+#include "icd/device.h"
 #include "icd/render_pass.h"
 
 namespace pineda::icd {
@@ -200,7 +201,7 @@ VkResult translate_dynamic(const VkPipelineDynamicStateCreateInfo* info, Graphic
 
 // Structures that the specification says are ignored (rasterization disabled, no such attachment) may be dangling pointers: not
 // read then.
-VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out) {
+VkResult translate_graphics_state(const Device& device, const VkGraphicsPipelineCreateInfo& info, GraphicsState* out) {
   const RenderPass& render_pass = *from(info.renderPass);
   if (info.subpass >= render_pass.subpass_count()) return not_supported("vkCreateGraphicsPipelines: no such subpass");
   const Subpass& subpass = render_pass.subpass(info.subpass);
@@ -214,6 +215,7 @@ VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, Grap
   translate_viewport(*info.pViewportState, *out);
   result = translate_multisample(*info.pMultisampleState, subpass, *out);
   if (subpass.depth.format != VK_FORMAT_UNDEFINED) translate_depth(*info.pDepthStencilState, subpass, *out);
+  out->fragment.depth.unrestricted = device.has(Gate::kDepthRangeUnrestricted);
   if (result == VK_SUCCESS) result = translate_blend(uses_colour(subpass) ? info.pColorBlendState : nullptr, subpass, *out);
   return result;
 }

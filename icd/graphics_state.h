@@ -27,6 +27,8 @@ constexpr uint32_t dynamic_bit(VkDynamicState state) {
   return state <= VK_DYNAMIC_STATE_STENCIL_REFERENCE ? 1u << state : 0;
 }
 
+class Device;
+
 struct GraphicsState {
   compiler::VertexState vertex_input;
   compiler::FragmentState fragment;
@@ -59,7 +61,7 @@ struct GraphicsState {
   bool draws_points() const { return topology == VK_PRIMITIVE_TOPOLOGY_POINT_LIST || polygon_mode == VK_POLYGON_MODE_POINT; }
 };
 
-VkResult translate_graphics_state(const VkGraphicsPipelineCreateInfo& info, GraphicsState* out);
+VkResult translate_graphics_state(const Device& device, const VkGraphicsPipelineCreateInfo& info, GraphicsState* out);
 
 // The static values of `from` over `to`: what vkCmdBindPipeline does.
 void apply_static_state(const GraphicsState& from, DynamicState& to);

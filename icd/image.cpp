@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "icd/api.h"
+#include "icd/chain.h"
 #include "icd/device.h"
 #include "icd/device_memory.h"
 #include "icd/format_caps.h"
@@ -72,7 +73,9 @@ std::optional<Planes> image_planes(const VkImageCreateInfo& info) {
 // bits.
 VkResult Image::check(Device&, const VkImageCreateInfo& info) {
   VkImageFormatProperties limits;
-  const ImageQuery query{info.format, info.imageType, info.tiling, info.usage, info.flags};
+  const auto* stencil =
+      find_in_chain<VkImageStencilUsageCreateInfo>(info.pNext, VK_STRUCTURE_TYPE_IMAGE_STENCIL_USAGE_CREATE_INFO);
+  const ImageQuery query{info.format, info.imageType, info.tiling, info.usage, info.flags, stencil ? stencil->stencilUsage : 0};
   if (image_format_properties(query, &limits) != VK_SUCCESS) {
     return not_supported(
         "vkCreateImage: vkGetPhysicalDeviceImageFormatProperties refuses this format, type, usage or these flags");

@@ -41,7 +41,11 @@ VkResult api::GetPhysicalDeviceImageFormatProperties2(VkPhysicalDevice, const Vk
           out->pNext, VK_STRUCTURE_TYPE_SAMPLER_YCBCR_CONVERSION_IMAGE_FORMAT_PROPERTIES)) {
     to->combinedImageSamplerDescriptorCount = 1;
   }
-  return image_format_properties({info->format, info->type, info->tiling, info->usage, info->flags}, &out->imageFormatProperties);
+  const auto* stencil =
+      find_in_chain<VkImageStencilUsageCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_IMAGE_STENCIL_USAGE_CREATE_INFO);
+  return image_format_properties(
+      {info->format, info->type, info->tiling, info->usage, info->flags, stencil ? stencil->stencilUsage : 0},
+      &out->imageFormatProperties);
 }
 
 void api::GetPhysicalDeviceQueueFamilyProperties2(VkPhysicalDevice, uint32_t* count, VkQueueFamilyProperties2* out) {

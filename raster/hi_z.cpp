@@ -79,6 +79,8 @@ inline SignedDepth signed_depth(const FragmentPrim& prim, const Draw& draw, cons
 
 inline float least(const SignedDepth& d) { return std::min(d.z0, std::min(d.z0 + d.dz1, d.z0 + d.dz2)) - d.margin; }
 
+// No fragment of the triangle is farther than this where depths are clamped; where they are not, a bound that is too near only
+// rejects less.
 inline float ceiling(const SignedDepth& d, const VkViewport& v) {
   return d.sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
 }

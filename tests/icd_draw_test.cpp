@@ -282,14 +282,17 @@ TEST(IcdDraw, TexturesSelectVariants) {
 
 // Depth test, clamp and bias against a D16 attachment: the depth of the quads comes by push constant.
 struct DepthFixture : DrawFixture {
-  static constexpr PipelineClient::Attachment kAttachments[] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR},
-                                                                {VK_FORMAT_D16_UNORM, VK_ATTACHMENT_LOAD_OP_CLEAR}};
+  explicit DepthFixture(VkFormat of = VK_FORMAT_D16_UNORM) : depth_format(of) {}
+
+  VkFormat depth_format;
+  float cleared = 1.0f;
+  PipelineClient::Attachment attachments[2] = {{kFormat, VK_ATTACHMENT_LOAD_OP_CLEAR},
+                                               {depth_format, VK_ATTACHMENT_LOAD_OP_CLEAR}};
   static constexpr uint32_t kFirst[] = {0};
-  VkRenderPass pass = client.render_pass(kAttachments, kFirst, 1);
-  VkImage depth = target(VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_FORMAT_D16_UNORM);
+  VkRenderPass pass = client.render_pass(attachments, kFirst, 1);
+  VkImage depth = target(VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, depth_format);
   VkFramebuffer framebuffer = client.framebuffer(
-      pass, {client.view(image, kFormat), client.view(depth, VK_FORMAT_D16_UNORM, {}, VK_IMAGE_ASPECT_DEPTH_BIT)},
-      {kSize, kSize});
+      pass, {client.view(image, kFormat), client.view(depth, depth_format, {}, VK_IMAGE_ASPECT_DEPTH_BIT)}, {kSize, kSize});
   VkPipelineLayout layout = client.pipeline_layout(std::nullopt, 20);
 
   PipelineClient::Drawing drawing() {
@@ -300,14 +303,14 @@ struct DepthFixture : DrawFixture {
     VK(client, CmdPushConstants)(cb, layout, VK_SHADER_STAGE_ALL, 16, 4, &z);
     VK(client, CmdDraw)(cb, count, 1, first_vertex, 0);
   }
-  // Draws over a cleared target and leaves colours in pixels; the result is the depth of the pixel at x.
-  template <typename Draws>
-  std::array<uint16_t, 2> depths(const PipelineClient::Drawing& with, Draws&& draws) {
+  // Draws over a cleared target and leaves colours in pixels; the result is the depth of two pixels of the first row.
+  template <typename Texel = uint16_t, typename Draws>
+  std::array<Texel, 2> depths(const PipelineClient::Drawing& with, Draws&& draws) {
     VkPipeline pipeline = VK_NULL_HANDLE;
     EXPECT_EQ(client.graphics_pipeline(with, &pipeline), VK_SUCCESS);
-    const auto values = client.buffer(kSize * kSize * 2);
+    const auto values = client.buffer(kSize * kSize * sizeof(Texel));
     client.run([&](VkCommandBuffer cb) {
-      client.begin_pass(cb, pass, framebuffer, whole, {kClearBlack, {.depthStencil = {1.0f, 0}}});
+      client.begin_pass(cb, pass, framebuffer, whole, {kClearBlack, {.depthStencil = {cleared, 0}}});
       bind(cb, pipeline);
       draws(cb);
       VK(client, CmdEndRenderPass)(cb);
@@ -315,7 +318,7 @@ struct DepthFixture : DrawFixture {
       const VkBufferImageCopy region{0, 0, 0, {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}, {}, {kSize, kSize, 1}};
       VK(client, CmdCopyImageToBuffer)(cb, depth, VK_IMAGE_LAYOUT_GENERAL, values.handle, 1, &region);
     });
-    return {values.as<uint16_t>()[5], values.as<uint16_t>()[kSize - 5]};
+    return {values.as<Texel>()[5], values.as<Texel>()[kSize - 5]};
   }
 };
 
@@ -347,6 +350,35 @@ TEST(IcdDepth, ClampInsteadOfClip) {
   drawing.depth_clamp = true;
   EXPECT_EQ(f.depths(drawing, draw)[0], 32768);
   EXPECT_EQ(f.at(5, 5), kGreen);
+}
+
+// VK_EXT_depth_range_unrestricted: a viewport's range, clear values and depths of float formats may be anywhere; depths of
+// fixed-point formats are clamped. z = 0.75 is at -2 + 0.75 * 5 = 1.75, z = 0.125 at -1.375.
+TEST(IcdDepth, UnrestrictedRange) {
+  const auto draw = [](DepthFixture& f) {
+    return [&f](VkCommandBuffer cb) {
+      const VkViewport wide{0, 0, kSize, kSize, -2, 3};
+      VK(f.client, CmdSetViewport)(cb, 0, 1, &wide);
+      f.quad(cb, 0, 12, {0, 1, 0, 1}, 0.75f);
+      f.quad(cb, 6, 6, {0, 0, 1, 1}, 0.125f);
+      f.quad(cb, 0, 12, {1, 0, 0, 1}, 0.875f);  // at 2.375: behind
+    };
+  };
+  for (const VkBool32 clamp : {VK_FALSE, VK_TRUE}) {
+    DepthFixture f(VK_FORMAT_D32_SFLOAT);
+    f.cleared = 5;
+    PipelineClient::Drawing drawing = f.drawing();
+    drawing.depth_clamp = clamp;
+    EXPECT_EQ(f.depths<float>(drawing, draw(f)), (std::array{1.75f, -1.375f}));
+    EXPECT_EQ(f.at(5, 5), kGreen);
+    EXPECT_EQ(f.at(35, 5), kBlue);
+  }
+  DepthFixture fixed;
+  PipelineClient::Drawing drawing = fixed.drawing();
+  drawing.depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL;
+  EXPECT_EQ(fixed.depths(drawing, draw(fixed)), (std::array<uint16_t, 2>{65535, 0}));
+  EXPECT_EQ(fixed.at(5, 5), kRed) << "both at 1";
+  EXPECT_EQ(fixed.at(35, 5), kBlue);
 }
 
 // A constant factor of 16384 is 16384 * 2^-16 for D16 (the minimum resolvable difference); the clamp stops it at 1/8.

@@ -27,6 +27,28 @@ std::vector<uint8_t> random_bytes(size_t count, std::mt19937& random) {
   return out;
 }
 
+// ---- usage ----
+
+// VK_EXT_separate_stencil_usage: an image can be made when its format has both aspects' uses.
+TEST(IcdImageUse, StencilUsageOfItsOwn) {
+  Client client;
+  constexpr VkFormat kFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
+  const auto query = [&](VkImageUsageFlags usage, VkImageUsageFlags stencil_usage) {
+    const VkImageStencilUsageCreateInfo stencil{VK_STRUCTURE_TYPE_IMAGE_STENCIL_USAGE_CREATE_INFO, nullptr, stencil_usage};
+    const VkPhysicalDeviceImageFormatInfo2 info{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
+                                                &stencil,
+                                                kFormat,
+                                                VK_IMAGE_TYPE_2D,
+                                                VK_IMAGE_TILING_OPTIMAL,
+                                                usage};
+    VkImageFormatProperties2 out{VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
+    return VK(client, GetPhysicalDeviceImageFormatProperties2)(client.physical, &info, &out);
+  };
+  EXPECT_EQ(query(VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT), VK_SUCCESS);
+  EXPECT_EQ(query(VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_USAGE_STORAGE_BIT), VK_ERROR_FORMAT_NOT_SUPPORTED);
+  EXPECT_EQ(query(VK_IMAGE_USAGE_STORAGE_BIT, VK_IMAGE_USAGE_SAMPLED_BIT), VK_ERROR_FORMAT_NOT_SUPPORTED);
+}
+
 // ---- views ----
 
 // "A view of a block-compressed image may have an uncompressed format of the block's size": its texels are the blocks.

@@ -177,5 +177,27 @@ TEST(IcdQuery, TimestampsGrow) {
   EXPECT_EQ(VK(client, CreateQueryPool)(client.device, &info, nullptr, &refused), VK_ERROR_FEATURE_NOT_PRESENT);
 }
 
+// VK_EXT_queue_family_foreign: memory that is handed to who is outside and taken back holds what it held.
+TEST(IcdSync, ForeignQueuesKeepWhatIsThere) {
+  Client client;
+  const auto buffer = client.buffer(64);
+  const auto hand = [&](VkCommandBuffer cb, VkAccessFlags from, VkAccessFlags to, uint32_t from_family, uint32_t to_family) {
+    const VkBufferMemoryBarrier barrier{
+        VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER, nullptr, from, to, from_family, to_family, buffer.handle, 0, VK_WHOLE_SIZE};
+    VK(client, CmdPipelineBarrier)
+    (cb, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 1, &barrier, 0, nullptr);
+  };
+  client.run([&](VkCommandBuffer cb) {
+    VK(client, CmdFillBuffer)(cb, buffer.handle, 0, 64, 0x12345678);
+    hand(cb, VK_ACCESS_TRANSFER_WRITE_BIT, 0, 0, VK_QUEUE_FAMILY_FOREIGN_EXT);
+  });
+  client.run([&](VkCommandBuffer cb) {
+    hand(cb, 0, VK_ACCESS_TRANSFER_WRITE_BIT, VK_QUEUE_FAMILY_FOREIGN_EXT, 0);
+    VK(client, CmdFillBuffer)(cb, buffer.handle, 0, 32, 7);
+  });
+  EXPECT_EQ(buffer.as<uint32_t>()[7], 7u);
+  EXPECT_EQ(buffer.as<uint32_t>()[8], 0x12345678u);
+}
+
 }  // namespace
 }  // namespace pineda::test

@@ -57,8 +57,12 @@ void DepthStencil::set_depth(Builder& b, Value z) {
     const Value low = end(0), high = end(1);
     z = b.fmin(b.fmax(low, z), high);
   }
-  // Without VK_EXT_depth_range_unrestricted every stored depth is in [0, 1].
-  z = clamp(b, z, 0, 1);
+  // "If the depth attachment has a fixed-point format ... or VK_EXT_depth_range_unrestricted is not enabled" depths are in [0,
+  // 1]. No NaN is ever stored: Hi-Z orders what is.
+  if (state_.depth.unrestricted && depth_format_->numeric == Numeric::kSfloat)
+    z = b.select(b.feq(z, z), z, b.f32(0));
+  else
+    z = clamp(b, z, 0, 1);
   code_ = pack(b, *depth_format_, {z})[0];
 }
 

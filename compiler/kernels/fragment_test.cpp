@@ -222,7 +222,7 @@ void run_depth_case(FragmentRig& rig, DepthShader kind, const FormatInfo& info, 
     float z = std::fma(rig.prim.dz1, lane_x(lane) + 0.5f, rig.prim.z0);
     if (kind == DepthShader::kWritesDepth) z = 1 - z;
     uint8_t fresh[4] = {};
-    pack_depth(info, z, fresh);
+    pack_depth(info, std::clamp(z, 0.0f, 1.0f), fresh);
     const auto number = [&](const uint8_t* texel) { return decode_reference(info, 0, code_of(info, 0, texel)); };
     const bool covered = rig.wave.coverage >> lane & 1;
     const bool discards = kind == DepthShader::kDiscards || kind == DepthShader::kForcedEarlyDiscards;
@@ -266,6 +266,25 @@ TEST(Fragment, DepthClampUsesTheViewportsRange) {
     rig.depth.clear();
     rig.run();
     EXPECT_EQ(float_at(rig.depth, 0, 5), want);
+  }
+}
+
+// Only float formats; and no NaN is stored.
+TEST(Fragment, UnrestrictedDepths) {
+  for (const auto& [z, want] : {std::pair{-3.5f, -3.5f}, {0.5f, 0.5f}, {7e20f, 7e20f}, {NAN, 0.0f}}) {
+    for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D16_UNORM}) {
+      FragmentRig rig;
+      rig.source.state.depth = {
+          .format = format, .test_enable = true, .write_enable = true, .compare = VK_COMPARE_OP_ALWAYS, .unrestricted = true};
+      rig.build(eval::Mode::kF32, true);
+      rig.prim = {.z0 = z};
+      rig.run();
+      if (format == VK_FORMAT_D32_SFLOAT) {
+        EXPECT_EQ(float_at(rig.depth, 0, 5), want);
+      } else {
+        EXPECT_EQ(rig.depth[2 * 5] | rig.depth[2 * 5 + 1] << 8, z < 0 || std::isnan(z) ? 0 : z == 0.5f ? 32768 : 65535);
+      }
+    }
   }
 }
 

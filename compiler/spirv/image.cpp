@@ -365,8 +365,8 @@ void subpass_read(Translator& t, const Instruction& inst, const Opaque& o, const
     r.coord[axis] = t.b.iadd(t.b.convert(ir::Op::kFToS, ir::Type::kI32, place), offset[axis]);
   }
   // The layer that is drawn to; with multiview that is the view's, and otherwise the view is 0. Views without layers ignore it.
-  const Value layer = t.stage.input(t.b, {.built_in = BuiltIn::kLayer}),
-              of_view = t.stage.input(t.b, {.built_in = BuiltIn::kViewIndex});
+  const Value layer = t.stage.input(t.b, {.built_in = BuiltIn::kLayer, .type = ir::Type::kI32}),
+              of_view = t.stage.input(t.b, {.built_in = BuiltIn::kViewIndex, .type = ir::Type::kI32});
   if (!layer || !of_view) inst.fail("input attachments are for fragment shaders");
   r.coord[2] = t.b.iadd(layer, of_view);
   const Operands operands = read_operands(t, inst, 5, ir::Type::kI32);
