@@ -1,12 +1,8 @@
 #include "raster/coverage.h"
 
-#include "raster/edge_list.h"
-
-#if defined(__x86_64__)
 #include <immintrin.h>
-#else
-#error "coverage has an x86-64 implementation only"
-#endif
+
+#include "raster/edge_list.h"
 
 namespace pineda::raster {
 
@@ -119,33 +115,8 @@ constexpr auto kBlockXy = [] {
 static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) == 10 &&
               offsetof(FragmentWave, block_index) == 12);
 
-// One copy of the code for each instruction set.
-namespace sse42 {
-using Part = int32_t __attribute__((vector_size(16)));
-using UPart = uint32_t __attribute__((vector_size(16)));
-inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm_movemask_ps((__m128)v)); }
-#include "raster/coverage_impl.inc"
-}  // namespace sse42
-
-#pragma GCC push_options
-#pragma GCC target("avx2")
-namespace avx2 {
-using Part = int32_t __attribute__((vector_size(32)));
-using UPart = uint32_t __attribute__((vector_size(32)));
-inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm256_movemask_ps((__m256)v)); }
-#include "raster/coverage_impl.inc"
-}  // namespace avx2
-#pragma GCC pop_options
-
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx2")
-namespace avx512 {
-using Part = int32_t __attribute__((vector_size(64)));
-using UPart = uint32_t __attribute__((vector_size(64)));
-inline uint32_t part_sign_mask(Part v) { return _mm512_movepi32_mask((__m512i)v); }
-#include "raster/coverage_impl.inc"
-}  // namespace avx512
-#pragma GCC pop_options
+#define PINEDA_ISA_CODE "raster/coverage_impl.inc"
+#include "raster/isa_copies.inc"
 
 }  // namespace
 

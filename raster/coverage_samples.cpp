@@ -59,36 +59,8 @@ namespace {
 
 static_assert(offsetof(FragmentSampleWave, samples) == sizeof(FragmentWave));
 
-// One copy of the code for each instruction set.
-namespace sse42 {
-using Part = int32_t __attribute__((vector_size(16)));
-using UPart = uint32_t __attribute__((vector_size(16)));
-using Narrow = uint16_t __attribute__((vector_size(8)));
-inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm_movemask_ps((__m128)v)); }
-#include "raster/coverage_samples_impl.inc"
-}  // namespace sse42
-
-#pragma GCC push_options
-#pragma GCC target("avx2")
-namespace avx2 {
-using Part = int32_t __attribute__((vector_size(32)));
-using UPart = uint32_t __attribute__((vector_size(32)));
-using Narrow = uint16_t __attribute__((vector_size(16)));
-inline uint32_t part_sign_mask(Part v) { return static_cast<uint32_t>(_mm256_movemask_ps((__m256)v)); }
-#include "raster/coverage_samples_impl.inc"
-}  // namespace avx2
-#pragma GCC pop_options
-
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx2")
-namespace avx512 {
-using Part = int32_t __attribute__((vector_size(64)));
-using UPart = uint32_t __attribute__((vector_size(64)));
-using Narrow = uint16_t __attribute__((vector_size(32)));
-inline uint32_t part_sign_mask(Part v) { return _mm512_movepi32_mask((__m512i)v); }
-#include "raster/coverage_samples_impl.inc"
-}  // namespace avx512
-#pragma GCC pop_options
+#define PINEDA_ISA_CODE "raster/coverage_samples_impl.inc"
+#include "raster/isa_copies.inc"
 
 }  // namespace
 
