@@ -235,7 +235,7 @@ struct FragmentPrim {
   uint32_t primitive_id;
   uint32_t layer, viewport_index;
   uint32_t reserved;
-  int32_t flat_offset_bytes;  // from vertex[0] to the provoking vertex; 0 unless clipping cut the provoking vertex off
+  int32_t flat_offset_bytes;  // from vertex[0] to the provoking vertex; mostly 0
 };
 static_assert(sizeof(FragmentPrim) == 96);
 

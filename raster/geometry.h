@@ -61,8 +61,8 @@ class GeometryWorker {
   void transform_to_viewports(const Draw& draw, uint32_t count);
   uint32_t batch_for(const Draw& draw, const BatchView& view, Route route);
   void outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
-  void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
-            bool clockwise, const Rect& bounds);
+  void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& in_order,
+            uint16_t provoking, bool clockwise, const Rect& bounds);
   void clip(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
   void setup_clipped(const Draw& draw, const BatchView& view, uint32_t primitive_id, uint16_t first, uint32_t count,
                      uint16_t provoking);
