@@ -8,9 +8,6 @@ namespace pineda::raster {
 
 namespace {
 
-// Triangles this small, near the tile: every product of the edge functions is below 2^14 * 2^15.
-constexpr int32_t kSmallFx8 = 64 * kSubpixels;
-
 inline __m128i next_vertex(__m128i v) { return _mm_shuffle_epi32(v, _MM_SHUFFLE(3, 0, 2, 1)); }
 
 // The three edges at once, in 32 bits. x and y: the vertices relative to the centre of the tile's first pixel (the fourth
@@ -121,8 +118,8 @@ static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) 
 }  // namespace
 
 const CoverageFunctions& coverage_functions(Isa isa) {
-  static constexpr CoverageFunctions kSse42{sse42::cover<3>, sse42::cover<4>, sse42::cover_small},
-      kAvx2{avx2::cover<3>, avx2::cover<4>, avx2::cover_small}, kAvx512{avx512::cover<3>, avx512::cover<4>, avx512::cover_small};
+  static constexpr CoverageFunctions kSse42{sse42::cover<3>, sse42::cover<4>}, kAvx2{avx2::cover<3>, avx2::cover<4>},
+      kAvx512{avx512::cover<3>, avx512::cover<4>};
   switch (isa) {
     case Isa::kAvx512:
       return kAvx512;

@@ -28,6 +28,9 @@ struct TileEdges {
 // Pixels that a record may cover: for pixel lines, all those between its ends.
 Rect pixel_rect(const Triangle& record);
 
+// Triangles this small, near the tile: every product of the edge functions is below 2^14 * 2^15.
+inline constexpr int32_t kSmallFx8 = 64 * kSubpixels;
+
 enum class TileCover { kNone, kPartial, kFull };
 
 // `size_px` <= 64. kFull: all pixels of the tile are covered. Edges that hold on the whole tile come out as 0. Of pixel lines
@@ -48,22 +51,9 @@ struct BlockRange {
 // `tile_xy_px` is the tile's position, x + (y << 16).
 using CoverFn = uint32_t (*)(const TileEdges& edges, const BlockRange& range, uint32_t tile_xy_px, FragmentWave* out);
 
-// 16 triangles against one tile: what most of a fine mesh needs.
-struct alignas(64) SmallGroup {
-  uint32_t small;        // bit i: triangle i has at most 2x2 blocks in the tile; the rest says nothing of others
-  int32_t masks[4][16];  // covered lanes of its blocks: first, right of it, below it, right and below
-  int32_t xy_px[4][16];  // their framebuffer position, x + (y << 16)
-  int32_t block[4][16];  // their numbers in the tile
-  float planes[4][16];   // FragmentPrim::l1_dx, l1_dy, l2_dx, l2_dy
-};
-// ... and says nothing of records that are no triangles.
-using CoverSmallFn = void (*)(const Triangle* const* triangles, int32_t tile_x_px, int32_t tile_y_px, int32_t size_px,
-                              SmallGroup& group);
-
 struct CoverageFunctions {
   CoverFn cover;                // three edges
   CoverFn cover_parallelogram;  // four
-  CoverSmallFn cover_small;
 };
 const CoverageFunctions& coverage_functions(Isa isa);
 

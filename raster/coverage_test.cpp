@@ -7,50 +7,13 @@
 #include <random>
 #include <vector>
 
+#include "raster/test_coverage.h"
 #include "raster/test_scene.h"
 
 namespace pineda::raster {
 namespace {
 
 using namespace testing;
-
-struct Point {
-  int64_t x, y;  // fx8
-};
-
-// The top-left rule: a sample on an edge belongs to the triangle when the edge is its left one (the inside is to its right) or
-// its top one (horizontal, the inside below).
-bool covers(std::array<Point, 3> v, Point p) {
-  const auto cross = [](Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); };
-  const int64_t area = cross(v[0], v[1], v[2]);
-  if (area == 0) return false;
-  if (area < 0) std::swap(v[1], v[2]);
-  for (int i = 0; i < 3; ++i) {
-    const Point a = v[i], b = v[(i + 1) % 3];
-    const int64_t e = cross(a, b, p);
-    if (e < 0) return false;
-    const bool goes_up = b.y < a.y, goes_right_level = b.y == a.y && b.x > a.x;  // clockwise on the screen: left edges go up
-    if (e == 0 && !goes_up && !goes_right_level) return false;
-  }
-  return true;
-}
-
-Point random_point(std::mt19937& rng, int64_t center_px, int64_t radius_fx8) {
-  std::uniform_int_distribution<int64_t> d(-radius_fx8, radius_fx8);
-  const auto clamp = [](int64_t v) { return std::clamp<int64_t>(v, kMinFx8, kMaxFx8); };
-  return {clamp(center_px * 256 + d(rng)), clamp(center_px * 256 + d(rng))};
-}
-
-Triangle make_triangle(const std::array<Point, 3>& v) {
-  Triangle t{};
-  for (int k = 0; k < 3; ++k) {
-    t.x_fx8[k] = static_cast<int32_t>(v[k].x);
-    t.y_fx8[k] = static_cast<int32_t>(v[k].y);
-  }
-  const int64_t area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x);
-  t.provoking_and_flags = area > 0 ? Triangle::kClockwise : 0;
-  return t;
-}
 
 // The tile's pixels by the code under test, as a bit for each pixel.
 std::vector<bool> tile_pixels(CoverFn cover, const Triangle& t, int32_t x, int32_t y, int32_t size) {
@@ -77,14 +40,6 @@ std::vector<bool> tile_pixels(CoverFn cover, const Triangle& t, int32_t x, int32
     EXPECT_EQ(std::count(pixels.begin(), pixels.end(), true), size * size);
   }
   return pixels;
-}
-
-std::vector<Isa> isas() {
-  std::vector<Isa> list{Isa::kSse42};
-  for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
-    if (best_isa() >= isa) list.push_back(isa);
-  }
-  return list;
 }
 
 TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
@@ -126,74 +81,6 @@ TEST(Coverage, EqualsScalarReferenceOnEveryIsa) {
           << "triangle " << i << " isa " << static_cast<int>(isa);
     }
   }
-}
-
-TEST(Coverage, GroupsOfSmallTrianglesEqualScalarReference) {
-  constexpr uint32_t kSeed = 31;
-  std::mt19937 rng(kSeed);
-  uint32_t small_count = 0, large_count = 0;
-  for (int i = 0; i < 600; ++i) {
-    const int32_t size = 16 << i % 3;
-    const int32_t tile_x = static_cast<int32_t>(rng() % 200) * size, tile_y = static_cast<int32_t>(rng() % 200) * size;
-    Triangle triangles[kLanes];
-    const Triangle* pointers[kLanes];
-    std::array<Point, 3> vertices[kLanes];
-    for (uint32_t k = 0; k < kLanes; ++k) {
-      auto& v = vertices[k];
-      const int64_t radius = std::array{100, 500, 1000, 3000, 9000}[rng() % 5];
-      const Point center{tile_x * 256 + static_cast<int64_t>(rng() % (static_cast<uint32_t>(size) * 256)),
-                         tile_y * 256 + static_cast<int64_t>(rng() % (static_cast<uint32_t>(size) * 256))};
-      do {
-        for (Point& p : v) {
-          const Point d = random_point(rng, 0, radius);
-          p = {center.x + d.x, center.y + d.y};
-          if (k % 3 == 0) p = {p.x / 128 * 128, p.y / 128 * 128};  // samples on edges and vertices
-        }
-      } while ((v[1].x - v[0].x) * (v[2].y - v[0].y) == (v[1].y - v[0].y) * (v[2].x - v[0].x));
-      triangles[k] = make_triangle(v);
-      pointers[k] = &triangles[k];
-    }
-    for (const Isa isa : isas()) {
-      SmallGroup group;
-      coverage_functions(isa).cover_small(pointers, tile_x, tile_y, size, group);
-      for (uint32_t k = 0; k < kLanes; ++k) {
-        if (!(group.small >> k & 1)) {
-          ++large_count;
-          continue;
-        }
-        ++small_count;
-        std::vector<bool> got(static_cast<size_t>(size * size)), expected(got.size());
-        for (uint32_t b = 0; b < 4; ++b) {
-          const auto mask = static_cast<uint32_t>(group.masks[b][k]), xy = static_cast<uint32_t>(group.xy_px[b][k]);
-          const int32_t x = static_cast<int32_t>(xy & 0xFFFF) - tile_x, y = static_cast<int32_t>(xy >> 16) - tile_y;
-          if (mask == 0) continue;
-          EXPECT_EQ(morton(static_cast<uint32_t>(x) / 4, static_cast<uint32_t>(y) / 4), static_cast<uint32_t>(group.block[b][k]));
-          for (uint32_t lane = 0; lane < kLanes; ++lane) {
-            if (!(mask >> lane & 1)) continue;
-            const auto px = static_cast<uint32_t>(x) + morton_x(lane), py = static_cast<uint32_t>(y) + morton_y(lane);
-            ASSERT_LT(px, static_cast<uint32_t>(size));
-            ASSERT_LT(py, static_cast<uint32_t>(size));
-            got[py * static_cast<uint32_t>(size) + px] = true;
-          }
-        }
-        for (int32_t p = 0; p < size * size; ++p) {
-          expected[static_cast<size_t>(p)] =
-              covers(vertices[k], {(tile_x + p % size) * 256 + 128, (tile_y + p / size) * 256 + 128});
-        }
-        ASSERT_EQ(got, expected) << "group " << i << " triangle " << k << " isa " << static_cast<int>(isa);
-        // Planes: derivatives of the barycentrics, from double with one rounding more.
-        const auto& v = vertices[k];
-        const double area = static_cast<double>((v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[1].y - v[0].y) * (v[2].x - v[0].x));
-        const double per_px = 256 / area;
-        EXPECT_EQ(group.planes[0][k], static_cast<float>(static_cast<double>(v[2].y - v[0].y) * per_px));
-        EXPECT_EQ(group.planes[1][k], static_cast<float>(static_cast<double>(v[0].x - v[2].x) * per_px));
-        EXPECT_EQ(group.planes[2][k], static_cast<float>(static_cast<double>(v[0].y - v[1].y) * per_px));
-        EXPECT_EQ(group.planes[3][k], static_cast<float>(static_cast<double>(v[1].x - v[0].x) * per_px));
-      }
-    }
-  }
-  EXPECT_GT(small_count, 5000u);
-  EXPECT_GT(large_count, 1000u);
 }
 
 TEST(Coverage, ExtremeTrianglesDoNotOverflow) {

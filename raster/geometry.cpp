@@ -457,6 +457,7 @@ void GeometryWorker::run_clear(const Draw& draw, uint64_t first, uint32_t count)
     t.x_fx8[1] = r.x1;
     t.y_fx8[1] = r.y1;
     t.batch = batch;
+    t.set_flags(0, false, false, Shape::kParallelogram);  // anything but a triangle, which small ones are looked for among
     const auto index = static_cast<uint32_t>(chunk_->triangles.size());
     chunk_->triangles.push_back(t);
     binner_.add_rect(draw, index, r);

@@ -12,7 +12,6 @@
 namespace pineda::raster {
 namespace {
 
-constexpr float kMargin = 0x1p-19f;     // twice the bound of the header, and its own rounding
 constexpr float kFixedPointMargin = 4;  // steps of a fixed-point depth: rounding to it, by the kernel and here
 
 // Largest of `count` numbers, a multiple of 16; NaN count for nothing (no comparison with them passes).
@@ -73,23 +72,19 @@ inline SignedDepth signed_depth(const FragmentPrim& prim, const Draw& draw, cons
   const float far_y = std::max(std::fabs(d.y), std::fabs(d.y + last)) + half;
   const float s1 = std::fabs(prim.l1_dx) * far_x + std::fabs(prim.l1_dy) * far_y;
   const float s2 = std::fabs(prim.l2_dx) * far_x + std::fabs(prim.l2_dy) * far_y;
-  d.margin = kMargin * (std::fabs(d.z0) + (1 + s1) * std::fabs(d.dz1) + (1 + s2) * std::fabs(d.dz2));
+  d.margin = kHiZMargin * (std::fabs(d.z0) + (1 + s1) * std::fabs(d.dz1) + (1 + s2) * std::fabs(d.dz2));
   return d;
 }
 
 inline float least(const SignedDepth& d) { return std::min(d.z0, std::min(d.z0 + d.dz1, d.z0 + d.dz2)) - d.margin; }
 
-// No fragment of the triangle is farther than this where depths are clamped; where they are not, a bound that is too near only
-// rejects less.
-inline float ceiling(const SignedDepth& d, const VkViewport& v) {
-  return d.sign > 0 ? std::min(1.0f, std::max(v.minDepth, v.maxDepth)) : -std::max(0.0f, std::min(v.minDepth, v.maxDepth));
-}
-
-const VkViewport& viewport_of(const FragmentPrim& prim, const Draw& draw) {
-  return prim.viewport_index == 0 ? draw.packet.viewport : draw.packet.viewports->viewport[prim.viewport_index];
-}
-
 }  // namespace
+
+float depth_ceiling(const Draw& draw, uint32_t viewport) {
+  const VkViewport& v = viewport == 0 ? draw.packet.viewport : draw.packet.viewports->viewport[viewport];
+  return draw.hi_z == HiZMode::kGreater ? -std::max(0.0f, std::min(v.minDepth, v.maxDepth))
+                                        : std::min(1.0f, std::max(v.minDepth, v.maxDepth));
+}
 
 TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
   const SignedDepth d = signed_depth(prim, draw, tile);
@@ -101,13 +96,13 @@ TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const T
   if (draw.samples > 1) depth.at_origin -= 0.5f * (std::fabs(zx) + std::fabs(zy));
   depth.dx_block = zx * kBlockDim;
   depth.dy_block = zy * kBlockDim;
-  depth.ceiling = ceiling(d, viewport_of(prim, draw));
+  depth.ceiling = depth_ceiling(draw, prim.viewport_index);
   return depth;
 }
 
 float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile) {
   const SignedDepth d = signed_depth(prim, draw, tile);
-  const float z = least(d), limit = ceiling(d, viewport_of(prim, draw));
+  const float z = least(d), limit = depth_ceiling(draw, prim.viewport_index);
   return z > limit ? limit : z;  // a NaN stays and hides nothing
 }
 
@@ -128,6 +123,7 @@ void HiZ::forget() {
 void HiZ::begin_draw(const Draw& draw) {
   const bool was_uniform = uniform_;
   uniform_ &= !draw.writes_depth;
+  breaks_bounds_ = draw.writes_depth && draw.hi_z == HiZMode::kNone;
   if (draw.hi_z == HiZMode::kNone || draw.hi_z == direction_) return;
   direction_ = draw.hi_z;
   std::fill_n(queued_, macros_, uint16_t{0});
@@ -143,6 +139,11 @@ void HiZ::begin_draw(const Draw& draw) {
 void HiZ::flushed() {
   if (direction_ == HiZMode::kNone) return;
   for (uint32_t i = 0; i < macros_; ++i) {
+    if (breaks_bounds_) [[unlikely]] {
+      for (uint32_t left = queued_[i]; left != 0; left &= left - 1) {
+        farthest_[i * kLanes + static_cast<uint32_t>(__builtin_ctz(left))] = std::numeric_limits<float>::infinity();
+      }
+    }
     stale_[i] |= queued_[i];
     queued_[i] = 0;
   }

@@ -16,6 +16,7 @@
 
 #include "raster/coverage.h"
 #include "raster/geometry_types.h"
+#include "raster/small_group.h"
 #include "raster/tile_buffer.h"
 
 namespace pineda::raster {
@@ -34,6 +35,13 @@ TriangleDepth triangle_depth(const FragmentPrim& prim, const Draw& draw, const T
 // The bound without the plane: all that a small triangle is worth.
 float least_depth(const FragmentPrim& prim, const Draw& draw, const TilePosition& tile);
 
+// No fragment of the draw is farther than this where depths are clamped; where they are not, a bound that is too near only
+// rejects less.
+float depth_ceiling(const Draw& draw, uint32_t viewport);
+
+// Twice the bound at the top of this file, and its own rounding.
+inline constexpr float kHiZMargin = 0x1p-19f;
+
 class HiZ {
  public:
   // `uniform`: every depth of the buffer is the same (a cleared tile).
@@ -51,15 +59,22 @@ class HiZ {
   // No fragment of the block with at least this depth can pass.
   bool hides(uint32_t block, float least);
 
+  // The bounds as far as they are known without a look into the depth buffer, for draws that they hold for.
+  bool bounded(const Draw& draw) const { return draw.hi_z != HiZMode::kNone && draw.hi_z == direction_; }
+  SmallHiZ bounds(float ceiling) const { return {direction_ == HiZMode::kGreater ? -1.0f : 1.0f, ceiling, farthest_}; }
+
  private:
   static constexpr uint32_t kMacros = kMaxTileBlocks / kLanes;
   void refresh(uint32_t block);
 
+  // Every bound holds while a draw of its direction is at work, also where it is stale: only waves of a draw without bounds can
+  // break one, and their blocks are unbounded once they have run.
   VkFormat format_ = VK_FORMAT_UNDEFINED;
   const uint8_t* depth_ = nullptr;
   uint32_t macros_ = 0;
   uint32_t samples_ = 1;
   bool uniform_ = false;
+  bool breaks_bounds_ = false;          // the draw whose waves are queued
   HiZMode direction_ = HiZMode::kNone;  // which way farthest_ bounds
   uint16_t queued_[kMacros] = {}, stale_[kMacros] = {};
   alignas(

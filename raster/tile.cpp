@@ -1,56 +1,13 @@
 #include "raster/tile.h"
 
+#include <limits>
 #include <type_traits>
 #include <utility>
 
+#include "raster/fragment_prim.h"
 #include "raster/wave_lanes.h"
 
 namespace pineda::raster {
-namespace {
-
-// Interpolation's planes from the snapped vertices (base/abi.h). Area and edges are exact in double; each derivative is rounded
-// twice.
-void fill_planes(const Triangle& t, FragmentPrim& p) {
-  if (t.shape() >= Shape::kPixelLineX) {  // l1: the projection on the line
-    const double dx = t.x_fx8[1] - t.x_fx8[0], dy = t.y_fx8[1] - t.y_fx8[0];
-    const double per_px = kSubpixels / (dx * dx + dy * dy);
-    p.l1_dx = static_cast<float>(dx * per_px);
-    p.l1_dy = static_cast<float>(dy * per_px);
-    p.l2_dx = p.l2_dy = 0;
-    return;
-  }
-  const double x1 = t.x_fx8[1] - t.x_fx8[0], y1 = t.y_fx8[1] - t.y_fx8[0];
-  const double x2 = t.x_fx8[2] - t.x_fx8[0], y2 = t.y_fx8[2] - t.y_fx8[0];
-  const double per_px = kSubpixels / (x1 * y2 - y1 * x2);
-  p.l1_dx = static_cast<float>(y2 * per_px);
-  p.l1_dy = static_cast<float>(-x2 * per_px);
-  p.l2_dx = static_cast<float>(-y1 * per_px);
-  p.l2_dy = static_cast<float>(x1 * per_px);
-}
-
-// Everything but the planes.
-inline void fill_prim(const Triangle& t, const Batch& batch, FragmentPrim& p) {
-  p.x0_px = static_cast<float>(t.x_fx8[0]) * (1.0f / kSubpixels);
-  p.y0_px = static_cast<float>(t.y_fx8[0]) * (1.0f / kSubpixels);
-  p.z0 = t.z0;
-  p.dz1 = t.dz1;
-  p.dz2 = t.dz2;
-  p.iw0 = t.iw[0];
-  p.iw1 = t.iw[1];
-  p.iw2 = t.iw[2];
-  const size_t wave_floats = size_t{batch.draw->packet.vertex_slots} * kLanes;
-  const auto vertex = [&](uint32_t v) { return batch.vertices + v / kLanes * wave_floats + v % kLanes; };
-  for (int k = 0; k < 3; ++k) p.vertex[k] = vertex(t.vertex[k]);
-  p.front_facing = (t.provoking_and_flags & Triangle::kFront) != 0;
-  p.primitive_id = t.primitive_id;
-  p.layer = batch.layer;
-  p.viewport_index = batch.viewport;
-  p.reserved = 0;
-  p.flat_offset_bytes = static_cast<int32_t>((vertex(t.provoking_and_flags & Triangle::kProvokingMask) - p.vertex[0]) *
-                                             static_cast<ptrdiff_t>(sizeof(float)));
-}
-
-}  // namespace
 
 void TileWorker::place(const Scene& scene, uint32_t tile) {
   const TileGrid& grid = scene.grid;
@@ -78,6 +35,7 @@ void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   place(scene, tile);
   coverage_ = &coverage_functions(scene.options.isa);
   cover_samples_ = cover_samples_function(scene.options.isa);
+  small_group_ = small_group_function(scene.options.isa);
   if (scene.samples() > 1 && sample_waves_.empty()) sample_waves_.append(std::size(waves_));
   count_bytes(scene, state);
   attachments_.load(scene, state);
@@ -107,7 +65,8 @@ bool TileWorker::gather(const TileState& state, size_t& segment, uint32_t& entry
     constexpr size_t kAhead = 3;
     if (segment + kAhead < state.segments.size()) {
       const TileSegment& next = state.segments[segment + kAhead];
-      __builtin_prefetch(next.chunk->entries.data() + next.first);
+      const uint32_t* const line = next.chunk->entries.data() + next.first;
+      for (uint32_t i = 0; i < std::min(next.count, 64u); i += 16) __builtin_prefetch(line + i);
     }
     const TileSegment& s = state.segments[segment];
     const uint32_t* entries = s.chunk->entries.data() + s.first;
@@ -125,37 +84,111 @@ bool TileWorker::gather(const TileState& state, size_t& segment, uint32_t& entry
 
 void TileWorker::draw_list(const Scene& scene, const TileState& state) {
   draw_ = nullptr;
+  group_batch_ = nullptr;
   size_t segment = 0;
   uint32_t entry = 0;
   while (gather(state, segment, entry)) {
-    for (uint32_t i = 0; i < item_count_; ++i) {
-      if (i % kLanes == 0 && scene.samples() == 1) prepare_group(i);
-      const Item& item = items_[i];
-      const Batch& batch = item.batches[item.triangle->batch];
-      if (batch.draw != draw_ || batch.viewport != viewport_) {
-        flush();
-        begin_draw(*batch.draw, batch.viewport);
-      }
-      if (batch.draw->is_clear) [[unlikely]] {
-        clear_rect(scene, *batch.draw, *item.triangle);
-      } else if (scene.samples() > 1 || batch.draw->smooth) {
-        draw_triangle<FragmentSampleWave>(i % kLanes, *item.triangle, batch, item.covers);
-      } else {
-        draw_triangle<FragmentWave>(i % kLanes, *item.triangle, batch, item.covers);
-      }
+    for (uint32_t first = 0; first < item_count_; first += kLanes) {
+      const uint32_t count = std::min(kLanes, item_count_ - first);
+      scene.samples() == 1 ? draw_group(first, count) : draw_items(first, count);
     }
   }
   flush();
 }
 
-// Covers the small triangles among the 16 items from `first` on.
-void TileWorker::prepare_group(uint32_t first) {
-  const Triangle* triangles[kLanes];
-  for (uint32_t i = 0; i < kLanes; ++i) triangles[i] = items_[std::min(first + i, item_count_ - 1)].triangle;
+inline void TileWorker::change_draw(const Batch& batch) {
+  if (batch.draw == draw_ && batch.viewport == viewport_) [[likely]]
+    return;
+  flush();
+  begin_draw(*batch.draw, batch.viewport);
+}
+
+void TileWorker::draw_item(const Item& item, const Batch& batch) {
+  if (draw_->is_clear) [[unlikely]] {
+    clear_rect(*scene_, *draw_, *item.triangle);
+  } else if (scene_->samples() > 1 || draw_->smooth) {
+    draw_triangle<FragmentSampleWave>(*item.triangle, batch, item.covers);
+  } else {
+    draw_triangle<FragmentWave>(*item.triangle, batch, item.covers);
+  }
+}
+
+void TileWorker::draw_items(uint32_t first, uint32_t count) {
+  for (const Item* item = items_ + first; item < items_ + first + count; ++item) {
+    const Batch& batch = batch_of(*item);
+    change_draw(batch);
+    draw_item(*item, batch);
+  }
+}
+
+// 16 items with one sample a pixel. Small triangles that are not seen cost nothing more.
+void TileWorker::draw_group(uint32_t first, uint32_t count) {
+  const Item* const items = items_ + first;
+  bool same = true;  // nearly always
+  for (uint32_t i = 1; i < count; ++i)
+    same &= items[i].batches == items[0].batches && items[i].triangle->batch == items[0].triangle->batch;
+  const Batch& head = batch_of(items[0]);
+  group_.hi_z = nullptr;
+  if (same) {
+    change_draw(head);
+    if (draw_->is_clear || draw_->smooth) [[unlikely]]
+      return draw_items(first, count);
+    if (group_batch_ != &head) group_.batches.set_all(head);
+    group_batch_ = &head;
+    if (hi_z_on_ && hi_z_.bounded(*draw_)) use_hi_z(depth_ceiling(*draw_, viewport_));
+  } else {
+    set_mixed_group(first, count);
+  }
+  cover_group(first, count);
+  for (uint32_t left = (group_.seen | ~group_.small) & ((1u << count) - 1); left != 0; left &= left - 1) {
+    const auto i = static_cast<uint32_t>(__builtin_ctz(left));
+    const Batch& batch = same ? head : batch_of(items[i]);
+    change_draw(batch);
+    if (group_.small >> i & 1) {
+      draw_small(i);
+    } else if ((group_.near >> i & 1) && draw_rect_full_) {
+      draw_near(i);
+    } else {
+      draw_item(items[i], batch);
+    }
+  }
+}
+
+// Items of several batches. Hi-Z's bounds must hold for all of their draws.
+void TileWorker::set_mixed_group(uint32_t first, uint32_t count) {
+  group_batch_ = nullptr;
+  bool bounded = hi_z_on_;
+  float ceiling = std::numeric_limits<float>::infinity();
+  const Draw* draw = nullptr;
+  uint32_t viewport = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Batch& batch = batch_of(items_[first + i]);
+    group_.batches.set(i, batch);
+    if (!bounded || (batch.draw == draw && batch.viewport == viewport)) continue;
+    draw = batch.draw;
+    viewport = batch.viewport;
+    bounded = !draw->is_clear && hi_z_.bounded(*draw);
+    if (bounded) ceiling = std::min(ceiling, depth_ceiling(*draw, viewport));
+  }
+  if (bounded) use_hi_z(ceiling);
+}
+
+inline void TileWorker::use_hi_z(float ceiling) {
+  small_hi_z_ = hi_z_.bounds(ceiling);
+  group_.hi_z = &small_hi_z_;
+}
+
+// Covers the small triangles among the items from `first` on.
+void TileWorker::cover_group(uint32_t first, uint32_t count) {
+  for (uint32_t i = 0; i < kLanes; ++i) group_.triangles[i] = items_[first + std::min(i, count - 1)].triangle;
   // The records of the next group: a cache miss each, as many as the core can have in flight.
   const uint32_t ahead = std::min(first + 2 * kLanes, item_count_);
   for (uint32_t i = first + kLanes; i < ahead; ++i) __builtin_prefetch(items_[i].triangle);
-  coverage_->cover_small(triangles, position_.x_px, position_.y_px, position_.size_px, group_);
+  group_.x_px = position_.x_px;
+  group_.y_px = position_.y_px;
+  group_.size_px = position_.size_px;
+  small_group_(group_);
+  count_hidden(group_.hidden);
 }
 
 void TileWorker::begin_draw(const Draw& draw, uint32_t viewport) {
@@ -300,40 +333,85 @@ inline bool TileWorker::wants_hi_z(uint32_t count) {
   return hi_z_skipped_ == 0;
 }
 
+inline void TileWorker::count_hidden(uint32_t blocks) {
+  statistics.blocks_hi_z_rejected += blocks;
+  if (blocks != 0) hi_z_patience_ = kHiZPatience;
+}
+
 // Writes waves for the covered blocks of small triangle i of the group behind those that are queued.
 inline uint32_t TileWorker::put_small(uint32_t i) {
   FragmentWave* const waves = waves_ + wave_count_;
-  uint32_t count = 0;
+  const bool look = group_.hi_z && wants_hi_z(1);  // again: bounds that were stale when the group was tested may hide it now
+  uint32_t count = 0, hidden = 0;
   for (uint32_t b = 0; b < 4; ++b) {
-    const auto mask = static_cast<uint32_t>(group_.masks[b][i]), xy_px = static_cast<uint32_t>(group_.xy_px[b][i]);
-    waves[count] = {0xFFFF, mask, static_cast<uint16_t>(xy_px), static_cast<uint16_t>(xy_px >> 16),
-                    static_cast<uint32_t>(group_.block[b][i])};
-    count += mask != 0;
+    const auto mask = static_cast<uint32_t>(group_.masks[b][i]);
+    if (mask == 0) continue;
+    const auto xy_px = static_cast<uint32_t>(group_.xy_px[b][i]), block = static_cast<uint32_t>(group_.block[b][i]);
+    waves[count] = {0xFFFF, mask, static_cast<uint16_t>(xy_px), static_cast<uint16_t>(xy_px >> 16), block};
+    if (look && hi_z_.hides(block, group_.least[i])) {
+      ++hidden;
+    } else {
+      ++count;
+    }
   }
+  count_hidden(hidden);
+  if (hidden == 0 && look && hi_z_patience_ != 0) --hi_z_patience_;
   return count;
 }
 
 // Triangle i of the group.
+inline void TileWorker::draw_small(uint32_t i) {
+  if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
+  uint32_t count = put_small(i);
+  if (!draw_rect_full_) count = cut_to_rect<FragmentWave>(draw_rect_, count);
+  if (count == 0) return;
+  prims_[prim_count_] = group_.prims[i];
+  if (!group_.hi_z && wants_hi_z(count)) {
+    count = reject_hidden<FragmentWave>(count, prims_[prim_count_]);
+    if (count == 0) return;
+  }
+  queue_prim<FragmentWave>(count);
+}
+
+// Triangle i of the group, with more blocks.
+inline void TileWorker::draw_near(uint32_t i) {
+  if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
+  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
+  uint32_t count = coverage_->cover(group_.edges[i], group_.blocks[i], tile_xy_px, waves_ + wave_count_);
+  if (count == 0) return;
+  prims_[prim_count_] = group_.prims[i];
+  if (wants_hi_z(count)) {
+    count = reject_hidden<FragmentWave>(count, prims_[prim_count_]);
+    if (count == 0) return;
+  }
+  queue_prim<FragmentWave>(count);
+}
+
+// The waves behind those that are queued are of prims_[prim_count_].
 template <class Wave>
-void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers) {
+inline void TileWorker::queue_prim(uint32_t count) {
+  if (hi_z_on_ && draw_->writes_depth) {
+    if (count <= kHiZFewBlocks) {
+      for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t block = header(queue<Wave>()[i]).block_index;
+        hi_z_.queued(block / kLanes, 1u << block % kLanes);
+      }
+    } else {
+      for_macros<Wave>(count, [&](uint32_t macro, uint32_t blocks, uint32_t, uint32_t) { hi_z_.queued(macro, blocks); });
+    }
+  }
+  records_[prim_count_] = {&prims_[prim_count_], wave_count_, count};
+  ++prim_count_;
+  wave_count_ += count;
+}
+
+template <class Wave>
+void TileWorker::draw_triangle(const Triangle& triangle, const Batch& batch, bool covers) {
   if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
   FragmentPrim& prim = prims_[prim_count_];
-  uint32_t count;
-  constexpr bool kOneSample = std::is_same_v<Wave, FragmentWave>;
-  if (kOneSample && (group_.small >> i & 1) && triangle.shape() == Shape::kTriangle) {
-    if ((group_.masks[0][i] | group_.masks[1][i] | group_.masks[2][i] | group_.masks[3][i]) == 0) return;
-    count = put_small(i);
-    if (!draw_rect_full_) count = cut_to_rect<Wave>(draw_rect_, count);
-    if (count == 0) return;
-    prim.l1_dx = group_.planes[0][i];
-    prim.l1_dy = group_.planes[1][i];
-    prim.l2_dx = group_.planes[2][i];
-    prim.l2_dy = group_.planes[3][i];
-  } else {
-    count = find_blocks<Wave>(triangle, covers);
-    if (count == 0) return;
-    fill_planes(triangle, prim);
-  }
+  uint32_t count = find_blocks<Wave>(triangle, covers);
+  if (count == 0) return;
+  fill_planes(triangle, prim);
   fill_prim(triangle, batch, prim);
   if (draw_->stipples) prim.dz2 = 0;
   // The depths of pixel lines and smooth ones go on past their ends.
@@ -341,12 +419,7 @@ void TileWorker::draw_triangle(uint32_t i, const Triangle& triangle, const Batch
     count = reject_hidden<Wave>(count, prim);
     if (count == 0) return;
   }
-  if (hi_z_on_ && draw_->writes_depth) {
-    for_macros<Wave>(count, [&](uint32_t macro, uint32_t blocks, uint32_t, uint32_t) { hi_z_.queued(macro, blocks); });
-  }
-  records_[prim_count_] = {&prim, wave_count_, count};
-  ++prim_count_;
-  wave_count_ += count;
+  queue_prim<Wave>(count);
 }
 
 void TileWorker::flush() {

@@ -38,7 +38,16 @@ class TileWorker {
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
   void draw_list(const Scene& scene, const TileState& state);
   void begin_draw(const Draw& draw, uint32_t viewport);
-  void prepare_group(uint32_t first);
+  const Batch& batch_of(const Item& item) const { return item.batches[item.triangle->batch]; }
+  void change_draw(const Batch& batch);
+  void draw_group(uint32_t first, uint32_t count);
+  void draw_items(uint32_t first, uint32_t count);
+  void draw_item(const Item& item, const Batch& batch);
+  void cover_group(uint32_t first, uint32_t count);
+  void set_mixed_group(uint32_t first, uint32_t count);
+  void use_hi_z(float ceiling);
+  void draw_small(uint32_t i);
+  void draw_near(uint32_t i);
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   bool wants_hi_z(uint32_t count);
   void flush();
@@ -48,9 +57,12 @@ class TileWorker {
   }
   void flush_samples();
   void flush_smooth_samples();
+  void count_hidden(uint32_t blocks);
   // Wave: FragmentWave, or FragmentSampleWave with several samples a pixel.
   template <class Wave>
-  void draw_triangle(uint32_t i, const Triangle& triangle, const Batch& batch, bool covers);
+  void draw_triangle(const Triangle& triangle, const Batch& batch, bool covers);
+  template <class Wave>
+  void queue_prim(uint32_t count);
   template <class Wave>
   Wave* queue();
   uint32_t put_small(uint32_t i);
@@ -72,6 +84,7 @@ class TileWorker {
 
   const CoverageFunctions* coverage_ = nullptr;
   CoverSamplesFn cover_samples_ = nullptr;
+  SmallGroupFn small_group_ = nullptr;
   const Scene* scene_ = nullptr;
   TilePosition position_{};
   TileAttachments attachments_;
@@ -96,6 +109,8 @@ class TileWorker {
   uint32_t item_count_ = 0;
   Item items_[kMaxItems];
   SmallGroup group_;  // of the 16 items at hand
+  SmallHiZ small_hi_z_{};
+  const Batch* group_batch_ = nullptr;  // that all of group_.batches are set to; null: several
 };
 
 // Where the next wave goes.
