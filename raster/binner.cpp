@@ -13,15 +13,6 @@ void Binner::begin(const TileGrid& grid) {
   pairs_.clear();
 }
 
-inline void Binner::push(const Draw& draw, uint32_t tile, uint32_t index, bool covers) {
-  PerTile& t = tiles_[tile];
-  if (t.count == 0) touched_.push_back(tile);
-  ++t.count;
-  if (covers && draw.can_cover && !t.blocks_cover) t.cover = t.count;
-  t.blocks_cover |= draw.blocks_cover;
-  pairs_.push_back({tile, index | (covers ? kEntryCovers : 0)});
-}
-
 namespace {
 
 // A smooth line covers the pixels that it touches at all: whether it can touch the tile.
@@ -52,8 +43,8 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
   const uint32_t shift = grid_->shift;
   const uint32_t x0 = static_cast<uint32_t>(bounds.x0) >> shift, x1 = static_cast<uint32_t>(bounds.x1 - 1) >> shift;
   const uint32_t y0 = static_cast<uint32_t>(bounds.y0) >> shift, y1 = static_cast<uint32_t>(bounds.y1 - 1) >> shift;
-  if (x0 == x1 && y0 == y1) {  // nearly all triangles; a cover inside one tile is not worth finding
-    push(draw, first_tile_ + y0 * grid_->columns + x0, index, false);
+  if (x0 == x1 && y0 == y1) {
+    add_to_tile(draw, y0 * grid_->columns + x0, index);
     return;
   }
   for (uint32_t y = y0; y <= y1; ++y) {

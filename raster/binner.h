@@ -35,6 +35,9 @@ class Binner {
   void set_layer(uint32_t layer) { first_tile_ = layer < grid_->layers ? layer * grid_->per_layer() : 0; }
   // Bins a triangle whose covered pixels lie in `bounds` (not empty, inside the rectangle that its viewport may draw).
   void add(const Draw& draw, const Triangle& triangle, uint32_t index, const Rect& bounds, const Rect& rect);
+  // The same for one whose only tile is known: its number in the layer. That it covers a single tile whole is not worth finding.
+  void add_to_tile(const Draw& draw, uint32_t tile, uint32_t index) { push(draw, first_tile_ + tile, index, false); }
+  const TileGrid& grid() const { return *grid_; }
   // Bins a rectangle (a clear).
   void add_rect(const Draw& draw, uint32_t index, const Rect& bounds);
   // Writes the chunk's entries and segments; ready for the next chunk.
@@ -58,5 +61,14 @@ class Binner {
   std::vector<uint32_t> touched_;
   PodBuffer<Pair> pairs_;
 };
+
+inline void Binner::push(const Draw& draw, uint32_t tile, uint32_t index, bool covers) {
+  PerTile& t = tiles_[tile];
+  if (t.count == 0) touched_.push_back(tile);
+  ++t.count;
+  if (covers && draw.can_cover && !t.blocks_cover) t.cover = t.count;
+  t.blocks_cover |= draw.blocks_cover;
+  pairs_.push_back({tile, index | (covers ? kEntryCovers : 0)});
+}
 
 }  // namespace pineda::raster

@@ -6,6 +6,7 @@
 #include "raster/assemble.h"
 #include "raster/coverage_samples.h"
 #include "raster/depth_bias.h"
+#include "raster/triangle_record.h"
 
 namespace pineda::raster {
 namespace {
@@ -17,19 +18,6 @@ uint32_t cull_distance_codes(const VertexOutputs& outputs) {
 
 bool is_culled(const DrawPacket& packet, bool front) {
   return (packet.cull & (front ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT)) != 0;
-}
-
-// Turns a triangle until its nearest vertex comes first, when that is more than twice as near as the first one.
-//
-// a0 + b1 (a1 - a0) + b2 (a2 - a0) is rounded to the precision of a0 and of the differences, however small it is. An a0 at the
-// horizon, of 10^6, say, would leave pixels before the eye, where a step of the attribute is finest, with errors of many pixels:
-// the case "perspective 10^6 : 1" of `pineda report --extreme`. Seen from the nearest vertex, far values come in as far as the
-// pixel is far. Depth and 1 / w, which are linear in the window, are as good from any vertex.
-inline std::array<uint16_t, 3> nearest_first(const float* iw, const std::array<uint16_t, 3>& v) {
-  const float iw1 = iw[v[1]], iw2 = iw[v[2]];
-  if (std::max(iw1, iw2) <= 2 * iw[v[0]]) [[likely]]
-    return v;
-  return iw1 > iw2 ? std::array{v[1], v[2], v[0]} : std::array{v[2], v[0], v[1]};
 }
 
 }  // namespace
@@ -55,29 +43,31 @@ inline void GeometryWorker::setup(const Draw& draw, const BatchView& view, uint3
 }
 
 // Fills the record of a triangle that is drawn, and bins it.
-inline void GeometryWorker::emit(const Draw& draw, const BatchView& view, uint32_t primitive_id,
-                                 const std::array<uint16_t, 3>& in_order, uint16_t provoking, bool clockwise,
-                                 const Rect& bounds) {
+inline void GeometryWorker::emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v,
+                                 uint16_t provoking, bool clockwise, const Rect& bounds) {
   const WindowVertices& w = *view.window;
-  const std::array<uint16_t, 3> v = nearest_first(w.iw, in_order);
   const bool front = clockwise == (draw.packet.front_face == VK_FRONT_FACE_CLOCKWISE);
   const auto index = static_cast<uint32_t>(chunk_->triangles.size());
   Triangle& t = *chunk_->triangles.append(1);
-  const float z0 = w.z[v[0]];
-  t.z0 = z0;
-  t.dz1 = w.z[v[1]] - z0;
-  t.dz2 = w.z[v[2]] - z0;
-  for (int k = 0; k < 3; ++k) {
-    t.x_fx8[k] = w.x_fx8[v[k]];
-    t.y_fx8[k] = w.y_fx8[v[k]];
-    t.iw[k] = w.iw[v[k]];
-    t.vertex[k] = v[k];
+  fill_record(w, v, {primitive_id, view.batch, provoking, front, clockwise}, t);
+  if (draw.packet.depth_bias) {
+    const float z[3] = {w.z[t.vertex[0]], w.z[t.vertex[1]], w.z[t.vertex[2]]};
+    t.z0 += depth_bias(draw.packet, draw.depth_format, t.x_fx8, t.y_fx8, {z[0], z[1], z[2]});
   }
-  t.primitive_id = primitive_id;
-  t.batch = view.batch;
-  t.set_flags(provoking, front, clockwise, Shape::kTriangle);
-  if (draw.packet.depth_bias) t.z0 += depth_bias(draw.packet, draw.depth_format, t.x_fx8, t.y_fx8, {z0, w.z[v[1]], w.z[v[2]]});
   binner_.add(draw, t, index, bounds, draw.rect_at(view.viewport));
+}
+
+// Triangle i of the group, whose record there is. It need not be small_setup()'s whole group, and stays in order.
+inline void GeometryWorker::emit_small(const Draw& draw, const Rect& rect, uint32_t i) {
+  const SmallSetup& group = small_group_;
+  const auto index = static_cast<uint32_t>(chunk_->triangles.size());
+  const Triangle& t =
+      *static_cast<const Triangle*>(std::memcpy(chunk_->triangles.append(1), &group.records[i], sizeof(Triangle)));
+  if (group.tile[i] >= 0) {
+    binner_.add_to_tile(draw, static_cast<uint32_t>(group.tile[i]), index);
+  } else {
+    binner_.add(draw, t, index, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]}, rect);
+  }
 }
 
 void GeometryWorker::bin(const Draw& draw, const BatchView& view, const Triangle& record) {
@@ -253,8 +243,16 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
   const DrawPacket& packet = draw.packet;
   const WindowVertices& w = *view.window;
   const bool front_is_clockwise = packet.front_face == VK_FRONT_FACE_CLOCKWISE;
-  const SmallSetupState state{draw.rect_at(view.viewport), is_culled(packet, front_is_clockwise),
-                              is_culled(packet, !front_is_clockwise), draw.samples == 1 && options_->missed_triangles};
+  const Rect& rect = draw.rect_at(view.viewport);
+  const TileGrid& grid = binner_.grid();
+  const SmallSetupState state{rect,
+                              is_culled(packet, front_is_clockwise),
+                              is_culled(packet, !front_is_clockwise),
+                              draw.samples == 1 && options_->missed_triangles,
+                              front_is_clockwise,
+                              view.batch,
+                              grid.shift,
+                              grid.columns};
   if (state.cull_clockwise && state.cull_counter_clockwise) {  // their vertices may have had effects; they have none
     statistics.triangles_culled += count;
     statistics.culled_facing += count;
@@ -281,18 +279,30 @@ void GeometryWorker::run_triangles(const Draw& draw, const BatchView& view, uint
     statistics.triangles_culled += n - bits(left);
     statistics.culled_facing += bits(inside & group.averted);
     statistics.culled_no_sample += bits(inside & group.missed);
+    if (left == 0) continue;
+    const uint64_t number = first + begin + base;
+    const auto id = [&](uint32_t i) {
+      return static_cast<uint32_t>(number + i < draw.prims_per_instance ? number + i : (number + i) % draw.prims_per_instance);
+    };
+    const bool has_records = !packet.depth_bias;
+    if (has_records) {
+      for (uint32_t i = 0; i < kLanes; ++i) group.primitive_id[i] = id(i);
+      small_records_(w, batch_.prims(), begin + base, state, group);
+    }
     for (; left != 0; left &= left - 1) {
       const auto i = static_cast<uint32_t>(__builtin_ctz(left));
-      const uint64_t number = first + begin + base + i;
-      const auto id = static_cast<uint32_t>(number < draw.prims_per_instance ? number : number % draw.prims_per_instance);
+      if (has_records && (inside & group.small) >> i & 1) {
+        emit_small(draw, rect, i);
+        continue;
+      }
       const std::array<uint16_t, 3> v = batch_.prim(begin + base + i);
       if (clipped >> i & 1) {
         ++statistics.triangles_clipped;
-        clip(draw, view, id, v);
+        clip(draw, view, id(i), v);
       } else if (group.small >> i & 1) {
-        emit(draw, view, id, v, v[0], (group.clockwise >> i & 1) != 0, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]});
+        emit(draw, view, id(i), v, v[0], (group.clockwise >> i & 1) != 0, {group.x0[i], group.y0[i], group.x1[i], group.y1[i]});
       } else {
-        setup(draw, view, id, v, v[0], 0);
+        setup(draw, view, id(i), v, v[0], 0);
       }
     }
   }
@@ -469,6 +479,7 @@ uint64_t GeometryWorker::run(const TileGrid& grid, std::span<const PrimRange> ra
   transform_ = transform_function(options.isa);
   small_gather_ = small_gather_function(options.isa);
   small_setup_ = small_setup_function(options.isa);
+  small_records_ = small_records_function(options.isa);
   chunk_ = &chunk;
   options_ = &options;
   clip_draw_ = nullptr;

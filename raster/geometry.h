@@ -61,8 +61,9 @@ class GeometryWorker {
   void transform_to_viewports(const Draw& draw, uint32_t count);
   uint32_t batch_for(const Draw& draw, const BatchView& view, Route route);
   void outline(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
-  void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& in_order,
-            uint16_t provoking, bool clockwise, const Rect& bounds);
+  void emit(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v, uint16_t provoking,
+            bool clockwise, const Rect& bounds);
+  void emit_small(const Draw& draw, const Rect& rect, uint32_t i);
   void clip(const Draw& draw, const BatchView& view, uint32_t primitive_id, const std::array<uint16_t, 3>& v);
   void setup_clipped(const Draw& draw, const BatchView& view, uint32_t primitive_id, uint16_t first, uint32_t count,
                      uint16_t provoking);
@@ -90,6 +91,7 @@ class GeometryWorker {
   TransformFn transform_ = nullptr;
   SmallGatherFn small_gather_ = nullptr;
   SmallSetupFn small_setup_ = nullptr;
+  SmallRecordsFn small_records_ = nullptr;
   SmallSetup small_group_{};
   VertexBatch batch_;
   Clipper clipper_;

@@ -36,4 +36,16 @@ SmallSetupFn small_setup_function(Isa isa) {
   return sse42::small_setup;
 }
 
+SmallRecordsFn small_records_function(Isa isa) {
+  switch (isa) {
+    case Isa::kAvx512:
+      return avx512::small_records;
+    case Isa::kAvx2:
+      return avx2::small_records;
+    case Isa::kSse42:
+      return sse42::small_records;
+  }
+  return sse42::small_records;
+}
+
 }  // namespace pineda::raster

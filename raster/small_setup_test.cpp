@@ -3,12 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstring>
 #include <random>
+
+#include "raster/triangle_record.h"
 
 namespace pineda::raster {
 namespace {
 
 constexpr Rect kRect{3, 5, 90, 70};
+constexpr uint32_t kTileShift = 4, kTileColumns = 6;
+
+SmallSetupState state_of(bool cull_clockwise, bool cull_counter_clockwise, bool one_sample) {
+  return {kRect, cull_clockwise, cull_counter_clockwise, one_sample, false, 0, kTileShift, kTileColumns};
+}
 
 // Whether pixel (px, py)'s centre is inside; the triangle is oriented first. coverage.h's rule.
 bool covers(const SmallSetup& g, uint32_t i, int32_t px, int32_t py, int64_t area) {
@@ -44,6 +53,11 @@ void check(const SmallSetup& g, uint32_t i, const SmallSetupState& state) {
   if (!drawn) return;
   EXPECT_EQ((g.clockwise >> i & 1) != 0, area > 0);
   EXPECT_EQ((Rect{g.x0[i], g.y0[i], g.x1[i], g.y1[i]}), box);
+  const auto tile_of = [](int32_t x, int32_t y) {
+    return (y >> kTileShift) * static_cast<int32_t>(kTileColumns) + (x >> kTileShift);
+  };
+  const bool one_tile = tile_of(box.x0, box.y0) == tile_of(box.x1 - 1, box.y1 - 1);
+  EXPECT_EQ(g.tile[i], one_tile ? tile_of(box.x0, box.y0) : -1);
 }
 
 TEST(SmallSetup, DecidesAsTheRulesDo) {
@@ -51,7 +65,7 @@ TEST(SmallSetup, DecidesAsTheRulesDo) {
     if (isa > best_isa()) continue;
     std::mt19937 rng(51);
     for (int round = 0; round < 6000; ++round) {
-      const SmallSetupState state{kRect, rng() % 4 == 0, rng() % 4 == 0, rng() % 4 != 0};
+      const SmallSetupState state = state_of(rng() % 4 == 0, rng() % 4 == 0, rng() % 4 != 0);
       const int32_t span = std::array{300, 700, 5000, 40000}[rng() % 4], step = std::array{1, 64, 128}[rng() % 3];
       SmallSetup group{};
       for (int i = 0; i < 16; ++i) {
@@ -77,7 +91,7 @@ TEST(SmallSetup, LargeTrianglesAreNotSmall) {
       group.x_fx8[1][i] = kMaxFx8;
       group.y_fx8[2][i] = i % 2 != 0 ? kMaxFx8 : kMinFx8;
     }
-    small_setup_function(isa)({kRect, false, false, true}, group);
+    small_setup_function(isa)(state_of(false, false, true), group);
     EXPECT_EQ(group.small, 0u);
   }
 }
@@ -112,6 +126,48 @@ TEST(SmallSetup, GathersTheVerticesOfEachTriangle) {
       }
     }
   }
+}
+
+TEST(SmallSetup, RecordsEqualTheScalarOnes) {
+  constexpr uint32_t kSeed = 53;
+  SCOPED_TRACE(kSeed);
+  static WindowVertices window;
+  static BatchPrims prims;
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (uint32_t v = 0; v < kBatchVertices; ++v) {
+    window.x_fx8[v] = static_cast<int32_t>(rng() % 5000);
+    window.y_fx8[v] = static_cast<int32_t>(rng() % 5000);
+    window.z[v] = unit(rng);
+    window.iw[v] = v % 3 == 0 ? std::exp2(unit(rng) * 40 - 20) : unit(rng);  // some triangles turn to their nearest vertex
+  }
+  for (auto& vertex : prims.vertex) {
+    for (uint16_t& v : vertex) v = static_cast<uint16_t>(rng() % kBatchVertices);
+  }
+  uint32_t turned = 0;
+  for (const Isa isa : {Isa::kSse42, Isa::kAvx2, Isa::kAvx512}) {
+    if (isa > best_isa()) continue;
+    for (uint32_t first = 0; first < kBatchPrims; first += 16) {
+      SmallSetup group{};
+      SmallSetupState state = state_of(false, false, true);
+      state.front_is_clockwise = first / 16 % 2 != 0;
+      state.batch = first;
+      for (uint32_t& id : group.primitive_id) id = static_cast<uint32_t>(rng());
+      small_gather_function(isa)(window, prims, first, group);
+      small_setup_function(isa)(state, group);
+      small_records_function(isa)(window, prims, first, state, group);
+      for (uint32_t i = 0; i < 16; ++i) {
+        const std::array<uint16_t, 3> v{prims.vertex[0][first + i], prims.vertex[1][first + i], prims.vertex[2][first + i]};
+        const bool clockwise = (group.clockwise >> i & 1) != 0;
+        if (!(group.small >> i & 1)) continue;
+        Triangle expected{};
+        fill_record(window, v, {group.primitive_id[i], first, v[0], clockwise == state.front_is_clockwise, clockwise}, expected);
+        ASSERT_EQ(std::memcmp(&expected, &group.records[i], sizeof expected), 0) << "isa " << static_cast<int>(isa) << ' ' << i;
+        turned += expected.vertex[0] != v[0];
+      }
+    }
+  }
+  EXPECT_GT(turned, 100u);
 }
 
 }  // namespace
