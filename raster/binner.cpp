@@ -47,8 +47,15 @@ void Binner::add(const Draw& draw, const Triangle& triangle, uint32_t index, con
     add_to_tile(draw, y0 * grid_->columns + x0, index);
     return;
   }
+  // One that is not larger than a tile covers none of several tiles whole; that it may miss one at a corner costs less than
+  // asking.
+  const bool is_small = bounds.x1 - bounds.x0 <= grid_->tile_px && bounds.y1 - bounds.y0 <= grid_->tile_px;
   for (uint32_t y = y0; y <= y1; ++y) {
     for (uint32_t x = x0; x <= x1; ++x) {
+      if (is_small) {
+        add_to_tile(draw, y * grid_->columns + x, index);
+        continue;
+      }
       const TileCover cover =
           tile_cover(*grid_, draw, triangle, static_cast<int32_t>(x << shift), static_cast<int32_t>(y << shift));
       if (cover == TileCover::kNone) continue;

@@ -25,8 +25,8 @@ TileCover make_sample_edges(const Triangle& triangle, int32_t tile_x_px, int32_t
                             SampleEdges& edges);
 
 // As CoverFn.
-using CoverSamplesFn = uint32_t (*)(const SampleEdges& edges, uint32_t samples, const BlockRange& range, uint32_t tile_xy_px,
+using CoverSamplesFn = uint32_t (*)(const SampleEdges& edges, const BlockRange& range, uint32_t tile_xy_px,
                                     FragmentSampleWave* out);
-CoverSamplesFn cover_samples_function(Isa isa);
+CoverSamplesFn cover_samples_function(Isa isa, uint32_t samples);
 
 }  // namespace pineda::raster

@@ -52,8 +52,8 @@ void cover_tile(const Triangle& t, const TilePosition& tile, uint32_t samples, I
   const auto block = [](int32_t px) { return static_cast<uint32_t>(px) / kBlockDim; };
   std::vector<FragmentSampleWave> waves(kMaxTileBlocks + 1);
   const uint32_t xy_px = static_cast<uint32_t>(tile.x_px) + (static_cast<uint32_t>(tile.y_px) << 16);
-  const uint32_t count = cover_samples_function(isa)(edges, samples, {block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)},
-                                                     xy_px, waves.data());
+  const uint32_t count = cover_samples_function(isa, samples)(edges, {block(r.x0), block(r.y0), block(r.x1 + 3), block(r.y1 + 3)},
+                                                              xy_px, waves.data());
   for (uint32_t i = 0; i < count; ++i) {
     const FragmentSampleWave& w = waves[i];
     ASSERT_EQ(w.wave.x_px, tile.x_px + static_cast<int32_t>(morton_x(w.wave.block_index) * 4));

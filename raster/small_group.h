@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "raster/coverage.h"
+#include "raster/coverage_samples.h"
 #include "raster/geometry_types.h"
 #include "raster/options.h"
 
@@ -40,19 +40,21 @@ struct alignas(64) SmallGroup {
   const Triangle* triangles[16];
   SmallBatches batches;
   int32_t x_px, y_px, size_px;  // of the tile
+  uint32_t samples;             // of a pixel; with several none is small
   const SmallHiZ* hi_z;         // null: nothing is hidden
   // out
-  uint32_t near;           // bit i: the vertices of record i, a triangle, are within 64 px; the rest says nothing of others
-  TileEdges edges[16];     // of those that are near and not small
-  BlockRange blocks[16];   // that may be covered
-  uint32_t small;          // bit i: near, and has at most 2x2 blocks in the tile
-  uint32_t seen;           // bit i: small, and some mask is not 0
-  uint32_t hidden;         // blocks that hi_z took away
-  int32_t masks[4][16];    // covered lanes of its blocks: first, right of it, below it, right and below
-  int32_t xy_px[4][16];    // their framebuffer position, x + (y << 16)
-  int32_t block[4][16];    // their numbers in the tile
-  FragmentPrim prims[16];  // of those that are near, unless all are small and none is seen
-  float least[16];         // with hi_z: no fragment is nearer (least_depth() of hi_z.h)
+  uint32_t near;                 // bit i: the vertices of record i, a triangle, are within 64 px; the rest says nothing of others
+  TileEdges edges[16];           // of those that are near and not small, with one sample
+  SampleEdges sample_edges[16];  // with several
+  BlockRange blocks[16];         // that may be covered
+  uint32_t small;                // bit i: near, and has at most 2x2 blocks in the tile
+  uint32_t seen;                 // bit i: small, and some mask is not 0
+  uint32_t hidden;               // blocks that hi_z took away
+  int32_t masks[4][16];          // covered lanes of its blocks: first, right of it, below it, right and below
+  int32_t xy_px[4][16];          // their framebuffer position, x + (y << 16)
+  int32_t block[4][16];          // their numbers in the tile
+  FragmentPrim prims[16];        // of those that are near, unless all are small and none is seen
+  float least[16];               // with hi_z: no fragment is nearer (least_depth() of hi_z.h)
 };
 
 using SmallGroupFn = void (*)(SmallGroup& group);

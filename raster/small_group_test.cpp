@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstring>
+#include <limits>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -44,6 +46,7 @@ struct RandomGroup {
     g.x_px = tile_x;
     g.y_px = tile_y;
     g.size_px = size_px;
+    g.samples = 1;
     for (uint32_t k = 0; k < kLanes; ++k) {
       g.triangles[k] = &triangles[k];
       g.batches.set(k, batches[k]);
@@ -146,7 +149,9 @@ TEST(SmallGroup, EqualsScalarReference) {
         const std::vector<bool> got = group_pixels(random, group, k, isa), expected = expected_pixels(random, k);
         ASSERT_EQ(got, expected) << "group " << i << " triangle " << k << " isa " << static_cast<int>(isa);
         const bool covered = std::count(got.begin(), got.end(), true) != 0;
-        if (group.small >> k & 1) EXPECT_EQ((group.seen >> k & 1) != 0, covered);
+        if (group.small >> k & 1) {
+          EXPECT_EQ((group.seen >> k & 1) != 0, covered);
+        }
         if (!covered) continue;
         FragmentPrim prim;
         std::memset(static_cast<void*>(&prim), 0, sizeof prim);
@@ -191,7 +196,9 @@ TEST(SmallGroup, HidesWhatTheScalarHiZHides) {
         FragmentPrim prim = open.prims[k];
         prim.viewport_index = 0;
         const float least = least_depth(prim, draw, tile);
-        if (least == least) EXPECT_EQ(group.least[k], least);
+        if (least == least) {
+          EXPECT_EQ(group.least[k], least);
+        }
         for (uint32_t b = 0; b < 4; ++b) {
           const bool hides = open.masks[b][k] != 0 && least > farthest[open.block[b][k]];
           hidden += hides;
@@ -205,6 +212,49 @@ TEST(SmallGroup, HidesWhatTheScalarHiZHides) {
   }
   EXPECT_GT(hidden_count, 500u);
   EXPECT_GT(seen_count, 500u);
+}
+
+// Covered samples of the tile, by block.
+using BlockSamples = std::map<uint32_t, std::array<uint16_t, kLanes>>;
+BlockSamples covered_samples(const RandomGroup& random, CoverSamplesFn cover, const SampleEdges& edges, const BlockRange& range) {
+  static FragmentSampleWave waves[kMaxTileBlocks + 1];
+  const uint32_t tile_xy_px = static_cast<uint32_t>(random.tile_x) + (static_cast<uint32_t>(random.tile_y) << 16);
+  const uint32_t count = cover(edges, range, tile_xy_px, waves);
+  BlockSamples samples;
+  for (uint32_t i = 0; i < count; ++i) std::copy_n(waves[i].samples, kLanes, samples[waves[i].wave.block_index].begin());
+  return samples;
+}
+
+// coverage_samples_test.cpp holds make_sample_edges() against the rule.
+TEST(SmallGroup, SampleEdgesCoverAsTheScalarOnes) {
+  constexpr uint32_t kSeed = 41;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  uint32_t covered_count = 0, empty_count = 0;
+  for (int i = 0; i < 60; ++i) {
+    RandomGroup random(rng, i);
+    const uint32_t samples = 2u << i % 4, side = static_cast<uint32_t>(random.size_px) / kBlockDim;
+    for (const Isa isa : isas()) {
+      const CoverSamplesFn cover = cover_samples_function(isa, samples);
+      SmallGroup group = random.group();
+      group.samples = samples;
+      small_group_function(isa)(group);
+      EXPECT_EQ(group.small | group.seen, 0u);
+      for (uint32_t k = 0; k < kLanes; ++k) {
+        if (!(group.near >> k & 1)) continue;
+        BlockSamples expected;
+        SampleEdges edges;
+        if (make_sample_edges(random.triangles[k], random.tile_x, random.tile_y, random.size_px, samples, edges) !=
+            TileCover::kNone)
+          expected = covered_samples(random, cover, edges, {0, 0, side, side});
+        ASSERT_EQ(covered_samples(random, cover, group.sample_edges[k], group.blocks[k]), expected)
+            << "group " << i << " triangle " << k << " samples " << samples << " isa " << static_cast<int>(isa);
+        ++(expected.empty() ? empty_count : covered_count);
+      }
+    }
+  }
+  EXPECT_GT(covered_count, 1000u);
+  EXPECT_GT(empty_count, 10u);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   scene_ = &scene;
   place(scene, tile);
   coverage_ = &coverage_functions(scene.options.isa);
-  cover_samples_ = cover_samples_function(scene.options.isa);
+  cover_samples_ = cover_samples_function(scene.options.isa, scene.samples());
   small_group_ = small_group_function(scene.options.isa);
   if (scene.samples() > 1 && sample_waves_.empty()) sample_waves_.append(std::size(waves_));
   count_bytes(scene, state);
@@ -46,7 +46,7 @@ void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   if (hi_z_on_) {
     hi_z_.begin_tile(depth.format, attachments_.depth(), position_.size_px, scene.samples(), !depth.load && !state.in_memory);
   }
-  draw_list(scene, state);
+  draw_list(state);
   attachments_.store(scene);
   state.in_memory = true;
   ++statistics.tiles_touched;
@@ -82,16 +82,14 @@ bool TileWorker::gather(const TileState& state, size_t& segment, uint32_t& entry
   return item_count_ != 0;
 }
 
-void TileWorker::draw_list(const Scene& scene, const TileState& state) {
+void TileWorker::draw_list(const TileState& state) {
   draw_ = nullptr;
   group_batch_ = nullptr;
+  group_.samples = scene_->samples();
   size_t segment = 0;
   uint32_t entry = 0;
   while (gather(state, segment, entry)) {
-    for (uint32_t first = 0; first < item_count_; first += kLanes) {
-      const uint32_t count = std::min(kLanes, item_count_ - first);
-      scene.samples() == 1 ? draw_group(first, count) : draw_items(first, count);
-    }
+    for (uint32_t first = 0; first < item_count_; first += kLanes) draw_group(first, std::min(kLanes, item_count_ - first));
   }
   flush();
 }
@@ -121,7 +119,7 @@ void TileWorker::draw_items(uint32_t first, uint32_t count) {
   }
 }
 
-// 16 items with one sample a pixel. Small triangles that are not seen cost nothing more.
+// 16 items. Small triangles that are not seen cost nothing more.
 void TileWorker::draw_group(uint32_t first, uint32_t count) {
   const Item* const items = items_ + first;
   bool same = true;  // nearly always
@@ -135,7 +133,7 @@ void TileWorker::draw_group(uint32_t first, uint32_t count) {
       return draw_items(first, count);
     if (group_batch_ != &head) group_.batches.set_all(head);
     group_batch_ = &head;
-    if (hi_z_on_ && hi_z_.bounded(*draw_)) use_hi_z(depth_ceiling(*draw_, viewport_));
+    if (hi_z_on_ && group_.samples == 1 && hi_z_.bounded(*draw_)) use_hi_z(depth_ceiling(*draw_, viewport_));
   } else {
     set_mixed_group(first, count);
   }
@@ -147,7 +145,7 @@ void TileWorker::draw_group(uint32_t first, uint32_t count) {
     if (group_.small >> i & 1) {
       draw_small(i);
     } else if ((group_.near >> i & 1) && draw_rect_full_) {
-      draw_near(i);
+      group_.samples == 1 ? draw_near<FragmentWave>(i) : draw_near<FragmentSampleWave>(i);
     } else {
       draw_item(items[i], batch);
     }
@@ -157,7 +155,7 @@ void TileWorker::draw_group(uint32_t first, uint32_t count) {
 // Items of several batches. Hi-Z's bounds must hold for all of their draws.
 void TileWorker::set_mixed_group(uint32_t first, uint32_t count) {
   group_batch_ = nullptr;
-  bool bounded = hi_z_on_;
+  bool bounded = hi_z_on_ && group_.samples == 1;
   float ceiling = std::numeric_limits<float>::infinity();
   const Draw* draw = nullptr;
   uint32_t viewport = 0;
@@ -224,9 +222,8 @@ inline Rect record_bounds(const Triangle& t, const FragmentSampleWave*) { return
 uint32_t TileWorker::cover(const Triangle& t, bool covers, const Rect& box_px, FragmentWave* out) {
   TileEdges edges{};
   if (!covers && make_tile_edges(t, position_.x_px, position_.y_px, position_.size_px, edges) == TileCover::kNone) return 0;
-  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
   const CoverFn cover = t.shape() == Shape::kParallelogram ? coverage_->cover_parallelogram : coverage_->cover;
-  return cover(edges, block_range(box_px), tile_xy_px, out);
+  return cover(edges, block_range(box_px), position_.xy_px(), out);
 }
 
 uint32_t TileWorker::cover(const Triangle& t, bool covers, const Rect& box_px, FragmentSampleWave* out) {
@@ -234,8 +231,7 @@ uint32_t TileWorker::cover(const Triangle& t, bool covers, const Rect& box_px, F
   const uint32_t samples = scene_->samples();
   if (!covers && make_sample_edges(t, position_.x_px, position_.y_px, position_.size_px, samples, edges) == TileCover::kNone)
     return 0;
-  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
-  return cover_samples_(edges, samples, block_range(box_px), tile_xy_px, out);
+  return cover_samples_(edges, block_range(box_px), position_.xy_px(), out);
 }
 
 // Writes waves for the covered blocks of the current draw's rectangle behind those that are queued.
@@ -373,18 +369,25 @@ inline void TileWorker::draw_small(uint32_t i) {
   queue_prim<FragmentWave>(count);
 }
 
-// Triangle i of the group, with more blocks.
+inline uint32_t TileWorker::cover_near(uint32_t i, FragmentWave* out) const {
+  return coverage_->cover(group_.edges[i], group_.blocks[i], position_.xy_px(), out);
+}
+inline uint32_t TileWorker::cover_near(uint32_t i, FragmentSampleWave* out) const {
+  return cover_samples_(group_.sample_edges[i], group_.blocks[i], position_.xy_px(), out);
+}
+
+// Triangle i of the group, with more blocks or samples.
+template <class Wave>
 inline void TileWorker::draw_near(uint32_t i) {
   if (prim_count_ == kMaxPrims || wave_count_ >= wave_limit_) flush();
-  const uint32_t tile_xy_px = static_cast<uint32_t>(position_.x_px) + (static_cast<uint32_t>(position_.y_px) << 16);
-  uint32_t count = coverage_->cover(group_.edges[i], group_.blocks[i], tile_xy_px, waves_ + wave_count_);
+  uint32_t count = cover_near(i, queue<Wave>());
   if (count == 0) return;
   prims_[prim_count_] = group_.prims[i];
   if (wants_hi_z(count)) {
-    count = reject_hidden<FragmentWave>(count, prims_[prim_count_]);
+    count = reject_hidden<Wave>(count, prims_[prim_count_]);
     if (count == 0) return;
   }
-  queue_prim<FragmentWave>(count);
+  queue_prim<Wave>(count);
 }
 
 // The waves behind those that are queued are of prims_[prim_count_].

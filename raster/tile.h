@@ -36,7 +36,7 @@ class TileWorker {
   void place(const Scene& scene, uint32_t tile);
   void count_bytes(const Scene& scene, const TileState& state);
   bool gather(const TileState& state, size_t& segment, uint32_t& entry);
-  void draw_list(const Scene& scene, const TileState& state);
+  void draw_list(const TileState& state);
   void begin_draw(const Draw& draw, uint32_t viewport);
   const Batch& batch_of(const Item& item) const { return item.batches[item.triangle->batch]; }
   void change_draw(const Batch& batch);
@@ -47,7 +47,10 @@ class TileWorker {
   void set_mixed_group(uint32_t first, uint32_t count);
   void use_hi_z(float ceiling);
   void draw_small(uint32_t i);
+  template <class Wave>
   void draw_near(uint32_t i);
+  uint32_t cover_near(uint32_t i, FragmentWave* out) const;
+  uint32_t cover_near(uint32_t i, FragmentSampleWave* out) const;
   void clear_rect(const Scene& scene, const Draw& draw, const Triangle& record);
   bool wants_hi_z(uint32_t count);
   void flush();

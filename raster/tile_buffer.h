@@ -30,6 +30,7 @@ struct TilePosition {
   int32_t x_px, y_px, size_px;
   Rect rect;  // the tile's pixels that exist: of the render area
   uint32_t layer = 0;
+  uint32_t xy_px() const { return static_cast<uint32_t>(x_px) + (static_cast<uint32_t>(y_px) << 16); }
 };
 
 // One sample of every pixel of a tile. With N samples a block's samples lie side by side: `planes` is N, and `data` the sample's
