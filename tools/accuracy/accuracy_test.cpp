@@ -83,6 +83,34 @@ TEST(AccuracyReference, SharedEdgesAreCoveredOnce) {
   }
 }
 
+// A plane of depth 0.5, and one that crosses it 1 / kReciprocal_px right of the centres of column 3 and rises by 0.03 a pixel.
+template <int kReciprocal_px>
+std::vector<SuiteVertex> crossing_planes() {
+  std::vector<SuiteVertex> vertices;
+  for (const double slope : {0.0, 0.03}) {
+    for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {3.0f, -1.0f}, {-1.0f, 3.0f}}) {
+      const double x_px = 4 * (double{x} + 1), z = 0.5 + slope * (x_px - 3.5 - 1.0 / kReciprocal_px);
+      vertices.push_back({{x, y, static_cast<float>(z), 1}, {1, 1, 1, 1}});
+    }
+  }
+  return vertices;
+}
+
+// In depth the planes are 3e-5 and 2e-4 apart at the centres of column 3, far more than binary32 rounds. But vertices moved by
+// 1/512 px put the crossing on either side of them in the first scene.
+TEST(AccuracyReference, SnappedVerticesMayDecideDepth) {
+  constexpr SuiteScene kNear{"near", "", "", 3, true, false, false, crossing_planes<1024>};
+  constexpr SuiteScene kFar{"far", "", "", 3, true, false, false, crossing_planes<128>};
+  const ReferencePicture near = render_reference(kNear, 8, 8, standard_samples(1), Shading::kPixelCentre);
+  const ReferencePicture far = render_reference(kFar, 8, 8, standard_samples(1), Shading::kPixelCentre);
+  for (uint32_t y = 0; y < 8; ++y) {
+    for (uint32_t x = 0; x < 8; ++x) {
+      EXPECT_EQ(near.undecided[y * 8 + x], x == 3) << x << " " << y;
+      EXPECT_FALSE(far.undecided[y * 8 + x]) << x << " " << y;
+    }
+  }
+}
+
 TEST(AccuracyPlot, TicksOfLogarithmicAxes) {
   EXPECT_EQ(log_ticks(0.9, 30), (std::vector<double>{1, 2, 5, 10, 20}));
   EXPECT_EQ(log_ticks(0.5, 2000).size(), 4u);  // decades only

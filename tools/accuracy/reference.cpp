@@ -42,6 +42,7 @@ constexpr double kDepthResolution = 1e-6;  // of binary32 near 1, with what inte
 struct ScreenTriangle {
   dvec2 corner[3];       // px
   double depth[3];       // z / w
+  double depth_shift;    // what snapping may add to a depth between the vertices
   double reciprocal[3];  // 1 / w
   dvec4 varying[3];
   double area2;  // twice the signed area, px²
@@ -61,6 +62,12 @@ double edge_function(dvec2 a, dvec2 b, dvec2 p) {
 
 // For y downwards and positive area: edges that go up, or right along a top (specification, "Basic Polygon Rasterization").
 bool is_top_left(dvec2 a, dvec2 b) { return b.y < a.y || (b.y == a.y && b.x > a.x); }
+
+double depth_shift(const ScreenTriangle& t) {
+  const dvec2 a = t.corner[1] - t.corner[0], b = t.corner[2] - t.corner[0];
+  const double da = t.depth[1] - t.depth[0], db = t.depth[2] - t.depth[0];
+  return kVertexSnap_px * (std::abs(da * b.y - db * a.y) + std::abs(db * a.x - da * b.x)) / t.area2;
+}
 
 std::vector<ScreenTriangle> transform(const SuiteScene& scene, uint32_t width, uint32_t height) {
   const std::vector<SuiteVertex> vertices = scene.triangles();
@@ -87,6 +94,7 @@ std::vector<ScreenTriangle> transform(const SuiteScene& scene, uint32_t width, u
       std::swap(triangle.varying[1], triangle.varying[2]);
       triangle.area2 = -triangle.area2;
     }
+    triangle.depth_shift = depth_shift(triangle);
     triangle.low = glm::min(glm::min(triangle.corner[0], triangle.corner[1]), triangle.corner[2]);
     triangle.high = glm::max(glm::max(triangle.corner[0], triangle.corner[1]), triangle.corner[2]);
     triangles.push_back(triangle);
@@ -102,7 +110,7 @@ class RowRenderer {  // draws one row of pixels after the other
 
   void draw(uint32_t y, ReferencePicture& picture, std::vector<uint8_t>& undecided) {
     colours_.assign(size_t{width_} * samples_.size(), dvec4(0, 0, 0, 1));
-    depths_.assign(colours_.size(), 1.0);
+    depths_.assign(colours_.size(), {1.0, 0.0});
     for (const ScreenTriangle& triangle : triangles_) {
       if (triangle.high.y < y - kSnap_px || triangle.low.y > y + 1 + kSnap_px) continue;
       const double first = std::clamp(std::floor(triangle.low.x - kSnap_px), 0.0, double(width_));
@@ -140,9 +148,10 @@ class RowRenderer {  // draws one row of pixels after the other
       const size_t at = x * samples_.size() + s;
       if (scene_.depth) {
         const double depth = weight[0] * triangle.depth[0] + weight[1] * triangle.depth[1] + weight[2] * triangle.depth[2];
-        near |= std::abs(depth - depths_[at]) < kDepthResolution;
-        if (!(depth <= depths_[at])) continue;
-        depths_[at] = depth;
+        StoredDepth& stored = depths_[at];
+        near |= std::abs(depth - stored.depth) < kDepthResolution + triangle.depth_shift + stored.shift;
+        if (!(depth <= stored.depth)) continue;
+        stored = {depth, triangle.depth_shift};
       }
       if (!shaded || shading_ == Shading::kSample) {
         colour = shade(triangle, shading_ == Shading::kSample ? p : dvec2(x + 0.5, y + 0.5));
@@ -178,7 +187,10 @@ class RowRenderer {  // draws one row of pixels after the other
   const Shading shading_;
   const uint32_t width_;
   std::vector<dvec4> colours_;  // of the row's samples
-  std::vector<double> depths_;
+  struct StoredDepth {
+    double depth, shift;
+  };
+  std::vector<StoredDepth> depths_;
 };
 
 // The part of a convex polygon where `sign` * (coordinate - bound) <= 0 (Sutherland and Hodgman, 1974).

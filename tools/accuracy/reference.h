@@ -24,13 +24,17 @@ struct ReferencePicture {
   uint32_t width = 0, height = 0;
   std::vector<glm::dvec4> colours;  // of the pixels: means of their samples
   // Pixels where a driver's coverage or order may rightly differ: a sample is nearer to an edge than kSnap_px, or two surfaces
-  // are nearer in depth than binary32 tells apart. Empty for Shading::kSample.
+  // are nearer in depth than binary32 and the grid of vertices tell apart. Empty for Shading::kSample.
   std::vector<bool> undecided;
 };
 
 // Snapping moves a vertex by at most 1/512 px along x and along y (subPixelPrecisionBits = 8), so an edge by at most sqrt(2)/512
 // px; the rest is for the rounding of vertices in binary32.
 inline constexpr double kSnap_px = 1.0 / 256;
+// The same for a vertex, along one axis. A driver may interpolate from the moved vertices, as their framebuffer coordinates have
+// that precision. With weights w_i of the moved vertices v_i + d_i, a depth at p is that of the unmoved plane at p - sum of
+// w_i d_i; inside the triangle that is no farther than the largest d_i.
+inline constexpr double kVertexSnap_px = 1.0 / 480;
 
 // `samples`: places in the pixel, 0 to 1. The background is (0, 0, 0, 1).
 ReferencePicture render_reference(const SuiteScene& scene, uint32_t width, uint32_t height,

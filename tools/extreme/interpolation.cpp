@@ -59,6 +59,35 @@ Outcome perspective(ExtremeRig& rig) {
           .bytes = bytes};
 }
 
+// The position as a varying, over slanted strips so thin that moving a vertex to the grid of 1/256 px changes their shape: a
+// driver that weighs the unmoved vertices extrapolates where only the moved strip covers a pixel.
+Outcome slivers(ExtremeRig& rig) {
+  constexpr int kStrips = 20000;
+  constexpr float kSlant = 0.37f;
+  RigDraw draw{.fragment = extreme_smooth_frag};
+  const auto at = [](float x, float y) { return RigVertex{{x, y, 0, 1}, {x, y, 1, 0.1f}}; };
+  const auto edge = [](int i) { return static_cast<float>(3.2 * i / kStrips - 1.6); };
+  for (int i = 0; i < kStrips; ++i) {
+    const RigVertex corners[] = {at(edge(i) - kSlant, -1.5f), at(edge(i + 1) - kSlant, -1.5f), at(edge(i) + kSlant, 1.5f),
+                                 at(edge(i + 1) + kSlant, 1.5f)};
+    for (const int corner : {0, 1, 2, 2, 1, 3}) draw.vertices.push_back(corners[corner]);
+  }
+  const std::vector<float> picture = rig.draw_as<float>(kFloats, std::span(&draw, 1));
+  Worst worst;
+  for (size_t pixel = 0; pixel < picture.size() / 4; ++pixel) {
+    const size_t place[] = {pixel % 64, pixel / 64};
+    for (const size_t axis : {0u, 1u}) {
+      const double there_px = 32 * (double{picture[4 * pixel + axis]} + 1);
+      worst.take(std::abs(there_px - (static_cast<double>(place[axis]) + 0.5)), 1);
+    }
+  }
+  return {.verdict = worst.verdict(),
+          .measured = fmt::format("largest error {:.2e} px", worst.error),
+          .truth = "the pixel's centre",
+          .bound = "the value of a neighbouring pixel; a vertex moved by 1/512 px makes 1.95e-03 px",
+          .bytes = bytes_of(picture)};
+}
+
 // A varying that is the same at every vertex is that everywhere, whatever the perspective.
 Outcome constant_varying(ExtremeRig& rig) {
   const auto at = [](float x, float y, float w) { return RigVertex{{x * w, y * w, 0, w}, {0.1f, 1e30f, -1e-30f, 1}}; };
@@ -213,6 +242,7 @@ constexpr const char* kWrapping = "Vulkan 1.3, Wrapping Operation, Integer Texel
 constexpr ExtremeCase kCases[] = {
     {"interpolation", "perspective 10^6 : 1", "The distance along a plane seen from 1 to 10^6, from each vertex on", kAttributes,
      perspective},
+    {"interpolation", "slivers", "The position as a varying of 20,000 slanted strips of 0.005 px", kAttributes, slivers},
     {"interpolation", "constant varying", "Equal values at all vertices, w from 0.37 to 911", kAttributes, constant_varying},
     {"interpolation", "derivatives of 10^-20", "dFdx, dFdy of a linear varying; fwidth of a constant", kDerivatives,
      derivatives_tiny},
