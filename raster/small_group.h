@@ -25,6 +25,12 @@ struct alignas(64) SmallBatches {
     viewport[lane] = static_cast<int32_t>(batch.viewport);
     layer[lane] = static_cast<int32_t>(batch.layer);
   }
+  void repeat(uint32_t lane) {  // the one before
+    for (int half = 0; half < 2; ++half) vertices[half][lane] = vertices[half][lane - 1];
+    wave_bytes[lane] = wave_bytes[lane - 1];
+    viewport[lane] = viewport[lane - 1];
+    layer[lane] = layer[lane - 1];
+  }
   void set_all(const Batch& batch);
 };
 

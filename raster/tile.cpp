@@ -122,51 +122,54 @@ void TileWorker::draw_items(uint32_t first, uint32_t count) {
 // 16 items. Small triangles that are not seen cost nothing more.
 void TileWorker::draw_group(uint32_t first, uint32_t count) {
   const Item* const items = items_ + first;
+  const Batch* batches[kLanes] = {&batch_of(items[0])};
   bool same = true;  // nearly always
-  for (uint32_t i = 1; i < count; ++i)
-    same &= items[i].batches == items[0].batches && items[i].triangle->batch == items[0].triangle->batch;
-  const Batch& head = batch_of(items[0]);
+  for (uint32_t i = 1; i < count; ++i) {
+    batches[i] = &batch_of(items[i]);
+    same &= batches[i] == batches[0];
+  }
   group_.hi_z = nullptr;
   if (same) {
-    change_draw(head);
+    change_draw(*batches[0]);
     if (draw_->is_clear || draw_->smooth) [[unlikely]]
       return draw_items(first, count);
-    if (group_batch_ != &head) group_.batches.set_all(head);
-    group_batch_ = &head;
+    if (group_batch_ != batches[0]) group_.batches.set_all(*batches[0]);
+    group_batch_ = batches[0];
     if (hi_z_on_ && group_.samples == 1 && hi_z_.bounded(*draw_)) use_hi_z(depth_ceiling(*draw_, viewport_));
   } else {
-    set_mixed_group(first, count);
+    set_mixed_group({batches, count});
   }
   cover_group(first, count);
   for (uint32_t left = (group_.seen | ~group_.small) & ((1u << count) - 1); left != 0; left &= left - 1) {
     const auto i = static_cast<uint32_t>(__builtin_ctz(left));
-    const Batch& batch = same ? head : batch_of(items[i]);
-    change_draw(batch);
+    change_draw(*batches[i]);
     if (group_.small >> i & 1) {
       draw_small(i);
     } else if ((group_.near >> i & 1) && draw_rect_full_) {
       group_.samples == 1 ? draw_near<FragmentWave>(i) : draw_near<FragmentSampleWave>(i);
     } else {
-      draw_item(items[i], batch);
+      draw_item(items[i], *batches[i]);
     }
   }
 }
 
 // Items of several batches. Hi-Z's bounds must hold for all of their draws.
-void TileWorker::set_mixed_group(uint32_t first, uint32_t count) {
+void TileWorker::set_mixed_group(std::span<const Batch* const> batches) {
   group_batch_ = nullptr;
   bool bounded = hi_z_on_ && group_.samples == 1;
   float ceiling = std::numeric_limits<float>::infinity();
-  const Draw* draw = nullptr;
-  uint32_t viewport = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    const Batch& batch = batch_of(items_[first + i]);
+  const Batch* last = nullptr;
+  for (uint32_t i = 0; i < batches.size(); ++i) {
+    const Batch& batch = *batches[i];
+    if (&batch == last) {
+      group_.batches.repeat(i);
+      continue;
+    }
     group_.batches.set(i, batch);
-    if (!bounded || (batch.draw == draw && batch.viewport == viewport)) continue;
-    draw = batch.draw;
-    viewport = batch.viewport;
-    bounded = !draw->is_clear && hi_z_.bounded(*draw);
-    if (bounded) ceiling = std::min(ceiling, depth_ceiling(*draw, viewport));
+    bounded = bounded && !batch.draw->is_clear && hi_z_.bounded(*batch.draw);
+    const bool other = !last || batch.draw != last->draw || batch.viewport != last->viewport;
+    if (bounded && other) ceiling = std::min(ceiling, depth_ceiling(*batch.draw, batch.viewport));
+    last = &batch;
   }
   if (bounded) use_hi_z(ceiling);
 }

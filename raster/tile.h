@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "raster/coverage_samples.h"
 #include "raster/hi_z.h"
@@ -44,7 +45,7 @@ class TileWorker {
   void draw_items(uint32_t first, uint32_t count);
   void draw_item(const Item& item, const Batch& batch);
   void cover_group(uint32_t first, uint32_t count);
-  void set_mixed_group(uint32_t first, uint32_t count);
+  void set_mixed_group(std::span<const Batch* const> batches);
   void use_hi_z(float ceiling);
   void draw_small(uint32_t i);
   template <class Wave>
