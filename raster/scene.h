@@ -34,9 +34,14 @@ struct Scene {
   uint32_t color_count = 0;
   uint32_t layers = 1;           // of the framebuffer
   std::vector<TileState> tiles;  // grid.count() of them are in use
+  bool streams_fills = false;    // what tiles without draws are filled with goes past the caches
   bool last_flush = true;        // DONT_CARE stores are left out only here: before, the tile comes back
 
   uint32_t samples() const { return grid.samples; }
+  // Whether tile t and the one right of it, both without draws, are filled alike.
+  bool fills_with_next(uint32_t t) const;
+  // What filling a tile writes.
+  uint64_t fill_bytes_per_tile() const;
   const PassAttachment& depth() const { return attachments[kDepthSlot]; }
   const PassAttachment& stencil() const { return attachments[kStencilSlot]; }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/trace.h"
+#include "raster/fill_pattern.h"
 #include "raster/pass_state.h"
 
 namespace pineda::raster {
@@ -17,7 +18,7 @@ constexpr uint32_t kDrawCostPrims = 8;                // what starting a draw co
 constexpr uint64_t kSerialPrims = 768;                // less geometry than this is done before a helper wakes up
 constexpr uint64_t kSerialPixels = 64 * 64;           // likewise shading
 constexpr uint64_t kSerialEntries = 512;
-constexpr uint32_t kFillTilesPerJob = 8;
+constexpr uint32_t kFillTilesPerJob = 8;  // side by side they are rows of 2 KiB and more
 
 void add_statistics(PassStatistics& sum, const PassStatistics& s) {
 #define PINEDA_STATISTIC(name, text) sum.name += s.name;
@@ -147,6 +148,7 @@ void Pass::State::flush(bool last) {
     }
   }
   scene.last_flush = last;
+  scene.streams_fills = untouched.size() * scene.fill_bytes_per_tile() >= kStreamBytes;
   const auto draw_jobs = static_cast<uint32_t>(touched.size());
   const auto fill_jobs = static_cast<uint32_t>((untouched.size() + kFillTilesPerJob - 1) / kFillTilesPerJob);
   const uint64_t tile_pixels = uint64_t{scene.grid.tile_px * 1u} * static_cast<uint32_t>(scene.grid.tile_px);
@@ -162,7 +164,12 @@ void Pass::State::flush(bool last) {
           return;
         }
         const size_t first = size_t{i - draw_jobs} * kFillTilesPerJob, end = std::min(untouched.size(), first + kFillTilesPerJob);
-        for (size_t t = first; t < end; ++t) worker.run_untouched(scene, untouched[t], scene.tiles[untouched[t]]);
+        for (size_t t = first, next; t < end; t = next) {
+          for (next = t + 1;
+               next < end && untouched[next] == untouched[next - 1] + 1 && scene.fills_with_next(untouched[next - 1]);)
+            ++next;
+          worker.run_untouched(scene, untouched[t], static_cast<uint32_t>(next - t), scene.tiles[untouched[t]]);
+        }
       },
       helpers);
   if (!touched.empty()) ++statistics.flushes;

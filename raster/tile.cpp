@@ -52,10 +52,11 @@ void TileWorker::run(const Scene& scene, uint32_t tile, TileState& state) {
   ++statistics.tiles_touched;
 }
 
-void TileWorker::run_untouched(const Scene& scene, uint32_t tile, const TileState& state) {
+void TileWorker::run_untouched(const Scene& scene, uint32_t tile, uint32_t count, const TileState& state) {
   place(scene, tile);
-  const bool filled = attachments_.finish_untouched(scene, state);
-  if (!state.in_memory) ++(filled ? statistics.tiles_filled : statistics.tiles_untouched);
+  position_.rect.x1 = scene.grid.rect(tile + count - 1).x1;
+  const bool filled = attachments_.finish_untouched(scene, position_.rect, state);
+  if (!state.in_memory) (filled ? statistics.tiles_filled : statistics.tiles_untouched) += count;
 }
 
 // Fills items_ from the list on; false at its end.

@@ -16,8 +16,9 @@ class TileWorker {
  public:
   // Draws a tile's list.
   void run(const Scene& scene, uint32_t tile, TileState& state);
-  // A tile that no draw touched in the whole pass.
-  void run_untouched(const Scene& scene, uint32_t tile, const TileState& state);
+  // `count` tiles side by side from `tile` on that no draw touched in the whole pass; several only with
+  // Scene::fills_with_next().
+  void run_untouched(const Scene& scene, uint32_t tile, uint32_t count, const TileState& state);
 
   PassStatistics statistics{};
 

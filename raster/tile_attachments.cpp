@@ -127,7 +127,7 @@ void TileAttachments::store(const Scene& scene) {
   }
 }
 
-bool TileAttachments::finish_untouched(const Scene& scene, const TileState& state) {
+bool TileAttachments::finish_untouched(const Scene& scene, const Rect& rect, const TileState& state) {
   bool written = false;
   for (uint32_t slot = 0; slot < Scene::kSlots; ++slot) {
     const PassAttachment& a = scene.attachments[slot];
@@ -143,9 +143,9 @@ bool TileAttachments::finish_untouched(const Scene& scene, const TileState& stat
       continue;
     }
     const uint8_t* texel = a.clear_texel.data();
-    if (resolves) fill_memory_rect(a.texel_bytes, resolve_memory(a), a.resolve_row_pitch_bytes, texel, position_.rect);
+    if (resolves) fill_memory_rect(a.texel_bytes, resolve_memory(a), a.resolve_row_pitch_bytes, texel, rect, scene.streams_fills);
     for (uint32_t s = 0; a.store && s < scene.samples(); ++s)
-      fill_memory_rect(a.texel_bytes, memory(a, s), a.row_pitch_bytes, texel, position_.rect);
+      fill_memory_rect(a.texel_bytes, memory(a, s), a.row_pitch_bytes, texel, rect, scene.streams_fills);
   }
   return written;
 }

@@ -18,8 +18,9 @@ class TileAttachments {
   void load(const Scene& scene, const TileState& state);
   // Resolves and store operations.
   void store(const Scene& scene);
-  // The last flush, for a tile that has nothing to draw in it. False when nothing had to be written.
-  bool finish_untouched(const Scene& scene, const TileState& state);
+  // The last flush, for a tile that has nothing to draw in it; of tiles side by side
+  // (Scene::fills_with_next()) `rect` covers all. False when nothing had to be written.
+  bool finish_untouched(const Scene& scene, const Rect& rect, const TileState& state);
 
   // Texels of `rect` (tile coordinates) of an attachment become `texel`.
   void fill_rect(const Scene& scene, uint32_t slot, const uint8_t* texel, const Rect& rect);

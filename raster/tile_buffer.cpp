@@ -10,6 +10,7 @@
 #endif
 
 #include "raster/coverage.h"
+#include "raster/fill_pattern.h"
 
 namespace pineda::raster {
 namespace {
@@ -280,16 +281,16 @@ void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect
   }
 }
 
-void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect) {
+void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect,
+                      bool stream) {
   if (rect.empty()) return;
-  alignas(64) uint8_t row[kMaxTilePx * 16];
   const size_t bytes = static_cast<size_t>(rect.x1 - rect.x0) * texel_bytes;
-  const size_t pattern_bytes = std::min(bytes, sizeof(row) / texel_bytes * texel_bytes);
-  for (size_t i = 0; i < pattern_bytes; i += texel_bytes) std::memcpy(row + i, texel, texel_bytes);
+  const FillPattern filler(texel, texel_bytes);
   for (int32_t y = rect.y0; y < rect.y1; ++y) {
-    uint8_t* p = address + static_cast<size_t>(y) * row_pitch_bytes + static_cast<size_t>(rect.x0) * texel_bytes;
-    for (size_t done = 0; done < bytes; done += pattern_bytes) std::memcpy(p + done, row, std::min(pattern_bytes, bytes - done));
+    uint8_t* const row = address + static_cast<size_t>(y) * row_pitch_bytes + static_cast<size_t>(rect.x0) * texel_bytes;
+    filler.fill(row, bytes, stream);
   }
+  if (stream) _mm_sfence();
 }
 
 }  // namespace pineda::raster

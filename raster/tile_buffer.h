@@ -53,7 +53,8 @@ void store_tile(const PassAttachment& attachment, uint8_t* address, size_t row_p
 void clear_tile(uint32_t texel_bytes, const uint8_t* texel, int32_t size_px, SamplePlane to);
 // Texels of `rect` (tile coordinates) become `texel`.
 void fill_tile_rect(uint32_t texel_bytes, const uint8_t* texel, const Rect& rect, SamplePlane to);
-// Fills texels of `rect` straight in memory at `address`.
-void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect);
+// Fills texels of `rect` straight in memory at `address`; `stream`: past the caches (fill_pattern.h).
+void fill_memory_rect(uint32_t texel_bytes, uint8_t* address, size_t row_pitch_bytes, const uint8_t* texel, const Rect& rect,
+                      bool stream);
 
 }  // namespace pineda::raster

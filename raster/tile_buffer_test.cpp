@@ -73,7 +73,7 @@ TEST(TileBuffer, ClearsAndFills) {
     const Rect rect{3, 9, 42, 31};
     fill_tile_rect(bytes, texel, rect, {buffer.data()});
     std::vector<uint8_t> memory(64 * 64 * bytes);
-    fill_memory_rect(bytes, memory.data(), 64 * bytes, texel, rect);
+    fill_memory_rect(bytes, memory.data(), 64 * bytes, texel, rect, bytes % 2 == 0);
     for (uint32_t y = 0; y < 64; ++y) {
       for (uint32_t x = 0; x < 64; ++x) {
         const bool inside = x >= 3 && x < 42 && y >= 9 && y < 31;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
+#include "raster/fill_pattern.h"
 #include "raster/raster.h"
 
 namespace pineda::raster {
@@ -41,9 +41,6 @@ void for_pieces(ThreadPool& pool, uint64_t row_bytes, uint64_t rows, uint64_t sl
       parallel);
 }
 
-// Transfers larger than what caches keep are written past them: a store that fetches its line first moves half as many bytes
-// again, and would push out what the application works on.
-constexpr uint64_t kStreamBytes = 8 << 20;
 constexpr uint64_t kStreamRowBytes = 512;  // shorter pieces would be mostly edges
 
 void stream_copy(uint8_t* dst, const uint8_t* src, uint64_t bytes) {
@@ -61,39 +58,6 @@ void stream_copy(uint8_t* dst, const uint8_t* src, uint64_t bytes) {
     _mm_stream_si128(to + 3, d);
   }
   std::memcpy(dst, src, bytes);
-}
-
-// The pattern from byte `phase` on, repeated over a period that lines and whole patterns share.
-struct Period {
-  static constexpr uint32_t kMaxBytes = 64 * 15;
-  alignas(64) uint8_t bytes[kMaxBytes + 64];
-  uint32_t length;
-
-  Period(const uint8_t* pattern, uint32_t pattern_bytes, uint64_t phase) : length(std::lcm(64u, pattern_bytes)) {
-    for (uint32_t i = 0; i < length; ++i) bytes[i] = pattern[(phase + i) % pattern_bytes];
-  }
-};
-
-void fill_bytes(uint8_t* dst, uint64_t bytes, const uint8_t* pattern, uint32_t pattern_bytes, bool stream) {
-  if (pattern_bytes == 1 && !stream) {
-    std::memset(dst, pattern[0], bytes);
-    return;
-  }
-  const uint64_t head = stream ? std::min<uint64_t>(bytes, -reinterpret_cast<uintptr_t>(dst) & 63) : 0;
-  for (uint64_t i = 0; i < head; ++i) dst[i] = pattern[i % pattern_bytes];
-  dst += head, bytes -= head;
-  const Period period(pattern, pattern_bytes, head);
-  for (; bytes >= period.length; bytes -= period.length) {
-    for (uint32_t i = 0; i < period.length; i += 16, dst += 16) {
-      const __m128i value = _mm_load_si128(reinterpret_cast<const __m128i*>(period.bytes + i));
-      if (stream) {
-        _mm_stream_si128(reinterpret_cast<__m128i*>(dst), value);
-      } else {
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(dst), value);
-      }
-    }
-  }
-  std::memcpy(dst, period.bytes, bytes);
 }
 
 bool streams(uint64_t row_bytes, uint64_t rows, uint64_t slices) {
@@ -130,15 +94,15 @@ void fill_rows(ThreadPool& pool, const FillRows& fill) {
   }
   const bool stream = streams(f.row_bytes, f.rows, f.slices);
   // A piece may begin inside a pattern: it is rotated.
-  for_pieces(
-      pool, f.row_bytes, f.rows, f.slices, [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
-        uint8_t pattern[16];
-        for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
-        for (; row < end_row; ++row) {
-          fill_bytes(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, pattern, f.pattern_bytes, stream);
-        }
-        if (stream) _mm_sfence();
-      });
+  for_pieces(pool, f.row_bytes, f.rows, f.slices,
+             [&](uint64_t slice, uint64_t row, uint64_t end_row, uint64_t first, uint64_t end) {
+               uint8_t pattern[16];
+               for (uint32_t i = 0; i < f.pattern_bytes; ++i) pattern[i] = f.pattern[(first + i) % f.pattern_bytes];
+               const FillPattern filler(pattern, f.pattern_bytes);
+               for (; row < end_row; ++row)
+                 filler.fill(f.dst + slice * f.slice_pitch + row * f.row_pitch + first, end - first, stream);
+               if (stream) _mm_sfence();
+             });
 }
 
 }  // namespace pineda::raster
