@@ -215,11 +215,14 @@ struct VertexOutputs {
 // ---- fragment kernels -----------------------------------------------------------------------------------------------------
 
 // What a fragment kernel knows of its triangle. Screen-space barycentrics are linear in the pixel and relative to vertex 0:
-//     l1(x, y) = l1_dx * (x - x0) + l1_dy * (y - y0)        l2 likewise;   l0 = 1 - l1 - l2 is never formed
+//     l1(x, y) = l1_dx * (x - x0) + l1_dy * (y - y0)        l2 likewise;   l0 = 1 - l1 - l2
 //     z        = z0 + l1 * dz1 + l2 * dz2                   (depth range applied, bias included)
 //     1/w      = iw0 + l1 * (iw1 - iw0) + l2 * (iw2 - iw0)
-//     b1       = l1 * iw1 * w, b2 = l2 * iw2 * w            perspective-correct
-//     attribute = a0 + b1 * (a1 - a0) + b2 * (a2 - a0)      (b from l when noperspective)
+//     b0       = l0 * iw0 * w, b2 = l2 * iw2 * w            perspective-correct
+//     attribute = a1 + b0 * (a0 - a1) + b2 * (a2 - a1)
+// and where all iw are equal, with b1 = l1 * iw1 * w, or l for b when noperspective,
+//     attribute = a0 + b1 * (a1 - a0) + b2 * (a2 - a0)
+// Where iw differ much, vertex 0 is the farthest and vertex 1 the nearest (raster/triangle_record.h).
 // x - x0 is exact in f32: both are multiples of 1/256 px below 2^15.
 //
 // A line is the case l2 = 0 or vertex 2 = vertex 0: l1 goes along it from 0 to 1. A point's vertices are all the same, and l1, l2

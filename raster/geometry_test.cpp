@@ -565,7 +565,7 @@ TEST(Interpolation, FarVerticesDoNotBlurNearPixels) {
     draw_once(draw, 128);
     EXPECT_GT(receding.fragments, 200u);
     EXPECT_EQ(receding.other_flat, 0u) << "flat attributes are those of the provoking vertex, " << first;
-    // l1, l2, 1/w and b1, b2 have about 16 roundings, of at most 2^-24 of the largest 1/w. That is as much of 1/w as it changes
+    // l1, l2, 1/w and b0, b2 have about 16 roundings, of at most 2^-24 of the largest 1/w. That is as much of 1/w as it changes
     // in 64 px.
     EXPECT_LT(receding.worst_px, 64 * 16 * 0x1p-24) << "vertex " << first << " first";
   }

@@ -218,8 +218,8 @@ enum class Shape : uint8_t {
   kPixelLineY,
 };
 
-// One primitive, one cache line. Vertex 0 is the origin of interpolation (and, for triangles, unless clipped away or much farther
-// than another one, the provoking vertex). Planes and edges are formed from it in the tiles that really draw it.
+// One primitive, one cache line. Vertex 0 is the origin of interpolation (and, for triangles, unless clipped away or
+// far_near_order() turned it, the provoking vertex). Planes and edges are formed from it in the tiles that really draw it.
 struct alignas(64) Triangle {
   int32_t x_fx8[3], y_fx8[3];
   float z0, dz1, dz2;  // window depth of vertex 0 with bias; differences without. A stippled line has its stipple's start in dz2

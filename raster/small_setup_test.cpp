@@ -139,7 +139,7 @@ TEST(SmallSetup, RecordsEqualTheScalarOnes) {
     window.x_fx8[v] = static_cast<int32_t>(rng() % 5000);
     window.y_fx8[v] = static_cast<int32_t>(rng() % 5000);
     window.z[v] = unit(rng);
-    window.iw[v] = v % 3 == 0 ? std::exp2(unit(rng) * 40 - 20) : unit(rng);  // some triangles turn to their nearest vertex
+    window.iw[v] = v % 3 == 0 ? std::exp2(unit(rng) * 40 - 20) : unit(rng);  // some triangles are put in order of distance
   }
   for (auto& vertex : prims.vertex) {
     for (uint16_t& v : vertex) v = static_cast<uint16_t>(rng() % kBatchVertices);

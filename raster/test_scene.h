@@ -78,7 +78,8 @@ inline void count_kernel(const KernelHandle*, const void*, void* thread, const P
 }
 
 struct Barycentrics {
-  float l1, l2, z, w, b1, b2;
+  float l1, l2, z, w, b_other, b2;
+  bool flat;  // b_other is of vertex 1, not of vertex 0
 };
 inline Barycentrics barycentrics(const FragmentPrim& p, uint32_t x, uint32_t y) {  // the formulas of base/abi.h
   const float dx = static_cast<float>(x) + 0.5f - p.x0_px, dy = static_cast<float>(y) + 0.5f - p.y0_px;
@@ -87,14 +88,15 @@ inline Barycentrics barycentrics(const FragmentPrim& p, uint32_t x, uint32_t y) 
   b.l2 = p.l2_dx * dx + p.l2_dy * dy;
   b.z = p.z0 + b.l1 * p.dz1 + b.l2 * p.dz2;
   b.w = 1 / (p.iw0 + b.l1 * (p.iw1 - p.iw0) + b.l2 * (p.iw2 - p.iw0));
-  b.b1 = b.l1 * p.iw1 * b.w;
+  b.flat = p.iw0 == p.iw1 && p.iw0 == p.iw2;
+  b.b_other = b.flat ? b.l1 * p.iw1 * b.w : (1 - b.l1 - b.l2) * p.iw0 * b.w;
   b.b2 = b.l2 * p.iw2 * b.w;
   return b;
 }
 inline float attribute(const FragmentPrim& p, const Barycentrics& b, uint32_t slot) {
   const uint32_t at = slot * kLanes;
-  const float a0 = p.vertex[0][at];
-  return a0 + b.b1 * (p.vertex[1][at] - a0) + b.b2 * (p.vertex[2][at] - a0);
+  const float base = p.vertex[b.flat ? 0 : 1][at], other = p.vertex[b.flat ? 1 : 0][at];
+  return base + b.b_other * (other - base) + b.b2 * (p.vertex[2][at] - base);
 }
 inline float flat_attribute(const FragmentPrim& p, uint32_t slot) {
   return *reinterpret_cast<const float*>(reinterpret_cast<const char*>(p.vertex[0] + slot * kLanes) + p.flat_offset_bytes);

@@ -91,13 +91,21 @@ Barycentrics Interpolator::barycentrics(Builder& b, const PixelOffset& offset) c
   const Value iw2 = prim_f32(b, offsetof(FragmentPrim, iw2));
   at.inverse_w = b.fma(at.l2, b.fsub(iw2, iw0), b.fma(at.l1, b.fsub(iw1, iw0), iw0));
   // With one w at all vertices (screen-aligned and orthographic pictures) both slopes above are zero and inverse_w is iw0 itself,
-  // so one division for the primitive gives the same bits.
+  // so one division for the primitive gives the same bits; and any vertex is as good a base as another, so l0 is spared.
   const Value flat = b.and_(b.feq(iw0, iw1), b.feq(iw0, iw2));
-  const Value w = b.if_else(
-      flat, {Type::kF32}, [&] { return std::vector{b.fdiv(b.f32(1), iw0)}; },
-      [&] { return std::vector{b.fdiv(b.f32(1), at.inverse_w)}; })[0];
-  at.b1 = b.fmul(b.fmul(at.l1, iw1), w);
-  at.b2 = b.fmul(b.fmul(at.l2, iw2), w);
+  const std::vector<Value> chosen = b.if_else(
+      flat, {Type::kF32, Type::kF32},
+      [&] {
+        const Value w = b.fdiv(b.f32(1), iw0);
+        return std::vector{w, b.fmul(b.fmul(at.l1, iw1), w)};
+      },
+      [&] {
+        const Value w = b.fdiv(b.f32(1), at.inverse_w), l0 = b.fsub(b.fsub(b.f32(1), at.l1), at.l2);
+        return std::vector{w, b.fmul(b.fmul(l0, iw0), w)};
+      });
+  at.b2 = b.fmul(b.fmul(at.l2, iw2), chosen[0]);
+  at.b_other = chosen[1];
+  at.flat = flat;
   return at;
 }
 
@@ -116,11 +124,13 @@ Value Interpolator::varying(Builder& b, uint32_t slot, const spirv::InterfaceSca
     const Value shift = b.load(Type::kI32, prim_, offsetof(FragmentPrim, flat_offset_bytes), kFixed);
     return b.load(in.type, b.ptr_add(vertex(b, 0), b.convert(Op::kSExt, Type::kI64, shift)), offset_bytes, kFixed);
   }
-  const Value a0 = b.load(Type::kF32, vertex(b, 0), offset_bytes, kFixed);
-  const Value d1 = b.fsub(b.load(Type::kF32, vertex(b, 1), offset_bytes, kFixed), a0);
-  const Value d2 = b.fsub(b.load(Type::kF32, vertex(b, 2), offset_bytes, kFixed), a0);
   const bool linear = in.interpolation == spirv::Interpolation::kNoPerspective;
-  return b.fma(linear ? at.l2 : at.b2, d2, b.fma(linear ? at.l1 : at.b1, d1, a0));
+  const auto value_at = [&](uint32_t v) { return b.load(Type::kF32, vertex(b, v), offset_bytes, kFixed); };
+  const Value v0 = value_at(0), v1 = value_at(1);
+  const Value a0 = linear ? v0 : b.select(at.flat, v0, v1);
+  const Value d1 = b.fsub(linear ? v1 : b.select(at.flat, v1, v0), a0);
+  const Value d2 = b.fsub(value_at(2), a0);
+  return b.fma(linear ? at.l2 : at.b2, d2, b.fma(linear ? at.l1 : at.b_other, d1, a0));
 }
 
 }  // namespace pineda::kernels

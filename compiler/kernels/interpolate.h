@@ -14,10 +14,13 @@ struct PixelOffset {
 // Where sample number `sample` (I32) lies.
 PixelOffset sample_offset(ir::Builder& b, uint32_t samples, ir::Value sample);
 
-// The weights of vertices 1 and 2 at one place of each pixel.
+// The weights of the vertices at one place of each pixel.
 struct Barycentrics {
   ir::Value l1, l2;  // linear in the window
-  ir::Value b1, b2;  // perspective-correct
+  // Perspective-correct, from vertex 1: of vertices 0 and 2. Where `flat` (B1: all vertices have one w), from vertex 0: of
+  // vertices 1 and 2.
+  ir::Value b_other, b2;
+  ir::Value flat;
   ir::Value inverse_w;
 };
 
