@@ -120,15 +120,7 @@ static_assert(offsetof(FragmentWave, x_px) == 8 && offsetof(FragmentWave, y_px) 
 const CoverageFunctions& coverage_functions(Isa isa) {
   static constexpr CoverageFunctions kSse42{sse42::cover<3>, sse42::cover<4>}, kAvx2{avx2::cover<3>, avx2::cover<4>},
       kAvx512{avx512::cover<3>, avx512::cover<4>};
-  switch (isa) {
-    case Isa::kAvx512:
-      return kAvx512;
-    case Isa::kAvx2:
-      return kAvx2;
-    case Isa::kSse42:
-      return kSse42;
-  }
-  return kSse42;
+  return *for_isa(isa, &kSse42, &kAvx2, &kAvx512);
 }
 
 }  // namespace pineda::raster

@@ -65,15 +65,7 @@ static_assert(offsetof(FragmentSampleWave, samples) == sizeof(FragmentWave));
 }  // namespace
 
 CoverSamplesFn cover_samples_function(Isa isa, uint32_t samples) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::cover_samples_of(samples);
-    case Isa::kAvx2:
-      return avx2::cover_samples_of(samples);
-    case Isa::kSse42:
-      return sse42::cover_samples_of(samples);
-  }
-  return sse42::cover_samples_of(samples);
+  return for_isa(isa, sse42::cover_samples_of, avx2::cover_samples_of, avx512::cover_samples_of)(samples);
 }
 
 }  // namespace pineda::raster

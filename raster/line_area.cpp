@@ -142,16 +142,6 @@ inline Reals higher(Reals a, Reals b) { return _mm512_max_pd(a, b); }
 
 }  // namespace
 
-AreaFn area_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::block_areas;
-    case Isa::kAvx2:
-      return avx2::block_areas;
-    case Isa::kSse42:
-      return sse42::block_areas;
-  }
-  return sse42::block_areas;
-}
+AreaFn area_function(Isa isa) { return for_isa(isa, sse42::block_areas, avx2::block_areas, avx512::block_areas); }
 
 }  // namespace pineda::raster

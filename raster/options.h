@@ -12,6 +12,12 @@ enum class Isa { kSse42, kAvx2, kAvx512 };
 Isa best_isa();                              // of this processor
 Isa isa_from_name(const std::string& name);  // "sse42", "avx2", "avx512"; anything else: the best; never above best_isa()
 
+// One of the copies of a function.
+template <class T>
+T for_isa(Isa isa, T sse42, T avx2, T avx512) {
+  return isa == Isa::kAvx512 ? avx512 : isa == Isa::kAvx2 ? avx2 : sse42;
+}
+
 struct Options {
   uint32_t tile_px = 0;                        // 16, 32 or 64; 0: chosen from the attachments
   bool hi_z = true;                            // reject blocks by a conservative depth range

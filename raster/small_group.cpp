@@ -24,16 +24,6 @@ namespace {
 
 }  // namespace
 
-SmallGroupFn small_group_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::small_group;
-    case Isa::kAvx2:
-      return avx2::small_group;
-    case Isa::kSse42:
-      return sse42::small_group;
-  }
-  return sse42::small_group;
-}
+SmallGroupFn small_group_function(Isa isa) { return for_isa(isa, sse42::small_group, avx2::small_group, avx512::small_group); }
 
 }  // namespace pineda::raster

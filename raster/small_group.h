@@ -1,6 +1,6 @@
 // 16 triangles against one tile, for those whose vertices lie within 64 px of each other, which is what most of a mesh needs:
 // edges and what the fragment kernel reads of a primitive; of the smallest also coverage and Hi-Z. A lane is a triangle; records
-// become columns on the way in, and waves and primitives rows on the way out. All in 32 bits, as coverage.h shows.
+// become columns on the way in, and primitives rows on the way out. All in 32 bits, as coverage.h shows.
 #pragma once
 
 #include <cstdint>

@@ -13,39 +13,13 @@ namespace {
 }  // namespace
 
 SmallGatherFn small_gather_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::small_gather;
-    case Isa::kAvx2:
-      return avx2::small_gather;
-    case Isa::kSse42:
-      return sse42::small_gather;
-  }
-  return sse42::small_gather;
+  return for_isa(isa, sse42::small_gather, avx2::small_gather, avx512::small_gather);
 }
 
-SmallSetupFn small_setup_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::small_setup;
-    case Isa::kAvx2:
-      return avx2::small_setup;
-    case Isa::kSse42:
-      return sse42::small_setup;
-  }
-  return sse42::small_setup;
-}
+SmallSetupFn small_setup_function(Isa isa) { return for_isa(isa, sse42::small_setup, avx2::small_setup, avx512::small_setup); }
 
 SmallRecordsFn small_records_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::small_records;
-    case Isa::kAvx2:
-      return avx2::small_records;
-    case Isa::kSse42:
-      return sse42::small_records;
-  }
-  return sse42::small_records;
+  return for_isa(isa, sse42::small_records, avx2::small_records, avx512::small_records);
 }
 
 }  // namespace pineda::raster

@@ -63,15 +63,7 @@ inline void narrow(Words v, uint16_t* out) {
 }  // namespace
 
 TransformFn transform_function(Isa isa) {
-  switch (isa) {
-    case Isa::kAvx512:
-      return avx512::transform_wave;
-    case Isa::kAvx2:
-      return avx2::transform_wave;
-    case Isa::kSse42:
-      return sse42::transform_wave;
-  }
-  return sse42::transform_wave;
+  return for_isa(isa, sse42::transform_wave, avx2::transform_wave, avx512::transform_wave);
 }
 
 }  // namespace pineda::raster
